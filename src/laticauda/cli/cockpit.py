@@ -7,14 +7,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from laticauda.cli.command import LOCAL, until_stopped
+from laticauda.cli import command, scene
 from laticauda.cli.flags import File, ScenarioFile, read, was_typed
-from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.cockpit.pages import load_viser
 from laticauda.errors import BadArgument
 from laticauda.estimation import Mount
-from laticauda.operate.files import SeriesFile, load_operation
-from laticauda.operate.settings import Connection, Operation
+from laticauda.operate import files, settings
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
@@ -58,18 +56,18 @@ class Tank:
             operated: The page's.
             robot: What is in the tank.
         """
-        usual, mount = Connection(), Mount()
+        usual, mount = settings.Connection(), Mount()
         if self.operation is not None:
             usual, mount = self.operation.connection, self.operation.calibration.mount
         operated.connect(usual.at(can=self.can, mocap=self.mocap), robot, mount=mount)
 
     @cached_property
-    def operation(self) -> Operation | None:
+    def operation(self) -> settings.Operation | None:
         """The trial file's, or None without one."""
         if self.trial is None:
             return None
-        found = load_operation(self.trial)
-        if isinstance(found, SeriesFile):
+        found = files.load_operation(self.trial)
+        if isinstance(found, files.SeriesFile):
             raise BadArgument("trial", f"must be a trial file, got the series file {self.trial}")
         return found
 
@@ -81,7 +79,7 @@ class Tank:
 
 
 @value
-class CockpitCommand(OfScenario):
+class CockpitCommand(scene.OfScenario):
     """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
 
     It prints one line with the page's address. Whoever opens the page can use all of its controls.
@@ -98,7 +96,7 @@ class CockpitCommand(OfScenario):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """The command that was typed; see `OfScenario.read`."""
-        names, tank = Names.read(words, prog), read(Tank, words, prog, first=True)
+        names, tank = scene.Names.read(words, prog), read(Tank, words, prog, first=True)
         in_tank = tank.robot()
         if in_tank is not None and not was_typed("robot", words):
             names = replace(names, robot=in_tank)
@@ -110,12 +108,12 @@ class CockpitCommand(OfScenario):
 
         load_viser()
         scenario = self.chosen
-        warn_of_compiling(scenario.environment, scenario.model)
+        scene.warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
-        if self.host not in LOCAL:
+        if self.host not in command.LOCAL:
             warning = "can use this page and read what it shows: it knows no passwords."
             print(f"Warning: anyone who reaches {self.host} {warning}", file=sys.stderr)
-        with until_stopped(cockpit.close):
+        with command.until_stopped(cockpit.close):
             if self.load is not None:
                 cockpit.load(Path(self.load))
             if self.tank.is_asked_for:

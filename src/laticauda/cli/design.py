@@ -7,25 +7,21 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda import figures
+from laticauda import figures, gaits, packaging, scenarios
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, Picture, Place, Words
 from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
-from laticauda.gaits import Envelope, Gait
+from laticauda.identify import measurements, tasks
 from laticauda.identify.candidates import SENSORS, Candidate, coast_down, swims, towed
 from laticauda.identify.design import Design, design, known_from
 from laticauda.identify.discrimination import Discrimination, Judged, discriminate, wrong
 from laticauda.identify.identifiability import LIMIT, marginal
-from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import Problem, make_problem
-from laticauda.identify.tasks import load_task
 from laticauda.identify.unknowns import Unknown
-from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, load_robot, water_names
-from laticauda.scenarios import Choice, Scenario
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
@@ -161,7 +157,7 @@ class DesignExperiment(Command):
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
                 raise BadArgument("parameters", "must not be given with --after, whose file says them")
-            fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
+            fit = tasks.load_task(self.unknowns.after).run(threads=self.candidates.threads)
             keep = fit.problem.of_interest
             known = {"values": fit.best[keep], "information": marginal(known_from(fit), keep)}
             return fit.problem.without_starts, known
@@ -177,17 +173,17 @@ class DesignExperiment(Command):
         return problem.without_starts, {}
 
     @property
-    def _names(self) -> Choice:
-        return Choice(robot=self.robot or "mamba", water=self.water, parameters=self.base, joints=self.joints)
+    def _names(self) -> scenarios.Choice:
+        return scenarios.Choice(robot=self.robot or "mamba", water=self.water, parameters=self.base, joints=self.joints)
 
-    def _swims(self, fitted: Sequence[Scenario] = ()) -> list[Candidate]:
+    def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Candidate]:
         """A candidate per gait and robot: those of a fit, or what the names stand for."""
         flags = self.candidates
         kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
         robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
         found: list[Candidate] = []
         for a, f, p, kind in product(flags.amplitudes, flags.frequencies, flags.phase_shifts, kinds):
-            gait = Gait(envelope=Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p)
+            gait = gaits.Gait(envelope=gaits.Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p)
             waters = [one.environment for one in fitted if one.gait.kind == gait.kind and self.base is None]
             for robot in robots.values() or (load_robot(self._names.robot),):
                 chosen = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
@@ -202,7 +198,7 @@ class DesignExperiment(Command):
             where = one.robot, one.environment
             if not flags.no_tow:
                 tows = product(flags.tow, flags.tow_angles)
-                found = [*found, *(towed(*where, Tow(speed=v, angle=angle)) for v, angle in tows)]
+                found = [*found, *(towed(*where, measurements.Tow(speed=v, angle=angle)) for v, angle in tows)]
                 found += [coast_down(*where, v) for v in flags.coast_down]
         return found
 
@@ -257,7 +253,7 @@ def _design_said(found: Design) -> Outcome:
         "relative_sigma_before": _by_name(found.names, found.before),
         "trials": _listed("relative_sigma", found.names, steps),
         "candidates": _listed("relative_sigma", found.names, alone),
-        "version": __version__,
+        "version": packaging.__version__,
     }
     labels = [name if one.is_log else f"{name} *" for name, one in zip(found.names, found.unknowns, strict=True)]
     rows = [("what is known now", found.before), *_numbered(steps)]
@@ -278,7 +274,7 @@ def _rivals_said(found: Discrimination) -> Outcome:
         f"The best {len(found.steps)} of {len(found.alone)} candidates. Chance that the wrong one of two fits better:"
     )
     tables = _tables(names, _numbered(found.steps), found.alone, lambda apart: f"{100.0 * wrong(apart):.2g} %")
-    return Outcome(facts={**listed, "version": __version__}, text="\n\n".join([title, *tables]))
+    return Outcome(facts={**listed, "version": packaging.__version__}, text="\n\n".join([title, *tables]))
 
 
 def _numbered(steps: Iterable[Judged]) -> list[tuple[str, Any]]:

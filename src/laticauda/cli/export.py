@@ -5,41 +5,39 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import Files, Output, Written
+import laticauda as lc
+from laticauda.cli import command, flags
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, Water, load_ground, load_robot, load_water
-from laticauda.scenarios import Planar
 
 OUTPUT = "The file to write; an older one is replaced"
 
 
 @value
-class Urdf(Command):
+class Urdf(command.Command):
     """Write a robot to a URDF file, for ROS and most other programs about robots.
 
     For example: laticauda export urdf mamba.urdf --robot mamba-modules-fin
     """
 
-    output: Annotated[Output, Written((".urdf",))] = option(OUTPUT)
+    output: Annotated[flags.Output, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity(
         "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
     )
-    meshes: Files = option(
+    meshes: flags.Files = option(
         "One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output",
         default=(),
     )
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Write the file."""
-        robot = load_robot(self.robot, self.n_links)
+        robot = lc.load_robot(self.robot, self.n_links)
         self.write(robot)
         return _outcome(self.output, robot, f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m")
 
-    def write(self, robot: Robot) -> None:
+    def write(self, robot: lc.Robot) -> None:
         """Write the file.
 
         Args:
@@ -57,7 +55,7 @@ class Mjcf(Urdf):
     For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --scene tank --actuators servo
     """
 
-    output: Annotated[Output, Written((".xml",))] = option(OUTPUT)
+    output: Annotated[flags.Output, flags.Written((".xml",))] = option(OUTPUT)
     water: str | None = option(
         "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
     )
@@ -68,13 +66,13 @@ class Mjcf(Urdf):
         "Servos in the joints, with the angle wanted as their input", default="none"
     )
 
-    def write(self, robot: Robot) -> None:
+    def write(self, robot: lc.Robot) -> None:
         """Write the file; see `Urdf.write`."""
         if self.ground is not None and self.water:
             raise BadArgument("water", "must not be given with --ground")
         from laticauda.spatial.mjcf import write_mjcf
 
-        place = load_water(self.water or "paper-lateral") if self.ground is None else load_ground(self.ground)
+        place = lc.load_water(self.water or "paper-lateral") if self.ground is None else lc.load_ground(self.ground)
         settings: Any = {name: getattr(self, name) for name in ("scene", "meshes", "root", "actuators")}
         write_mjcf(self.output, robot, place, **settings)
 
@@ -89,7 +87,7 @@ class Fmu(OfScenario):
     For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
     """
 
-    output: Annotated[Output, Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
+    output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option(
         "What drives the joints: the gait's numbers, or an angle for every joint (pd and servo)", default="gait"
     )
@@ -102,12 +100,12 @@ class Fmu(OfScenario):
         scenario, _ = names.scenario([])  # the file that comes first is the output
         return cls.about(scenario, words, prog, choice=names)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Write the file."""
         scenario = self.chosen
-        if not isinstance(scenario.environment, Water):
+        if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the robot in an FMU swims in water")
-        if not isinstance(scenario.model, Planar):
+        if not isinstance(scenario.model, lc.Planar):
             raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not in the FMU")
         from laticauda.cosim.fmu import export_fmu
 
@@ -119,11 +117,11 @@ class Fmu(OfScenario):
         return _outcome(self.output, scenario.robot, words, **{f"n_{kind}": number for kind, number in count.items()})
 
 
-def _outcome(output: str, robot: Robot, words: str, **more: object) -> Outcome:
+def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:
     """What was written."""
     facts = {"output": output, "robot": robot.name, "n_links": robot.n_links, "mass": robot.mass}
     kilobytes = Path(output).stat().st_size / 1000.0
-    return Outcome(
+    return command.Outcome(
         facts={**facts, "length": robot.length, **more},
         text=f"{output}: {robot.name}, {words} ({kilobytes:.0f} kB)",
     )

@@ -14,11 +14,7 @@ from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
 from laticauda.errors import BadArgument, one_of
 from laticauda.files import write
-from laticauda.identify.fitting import INTERRUPTED
-from laticauda.identify.measurements import SERIES
-from laticauda.identify.result import Fit
-from laticauda.identify.tasks import Task, load_task, task_from_table
-from laticauda.identify.validation import Validation, validate
+from laticauda.identify import fitting, measurements, result, tasks, validation
 from laticauda.quantities import option, quantity, value
 from laticauda.reports.chapter import templates, writable_folder
 from laticauda.reports.identify import as_dict, errors_of, identification_tables, write_identification
@@ -139,7 +135,7 @@ class Identify(Command):
     def _command(self) -> str:
         return shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
 
-    def _identified(self, task: Task, folder: Path) -> tuple[Validation, list[str]]:
+    def _identified(self, task: tasks.Task, folder: Path) -> tuple[validation.Validation, list[str]]:
         """What was found, and the files with it."""
         best, bar = writable_folder(folder) / "best.json", progress(SHARE)
         found = task.run(
@@ -147,7 +143,7 @@ class Identify(Command):
             progress=lambda share: bar(share, what="search"),
             keep=lambda values, cost: write(best, json.dumps({"sum_of_squares": cost, "values": values})),
         )
-        done = validate(
+        done = validation.validate(
             task,
             found,
             exact=self.method.exact,
@@ -159,15 +155,15 @@ class Identify(Command):
         best.unlink(missing_ok=True)
         return done, files
 
-    def _task(self) -> Task:
+    def _task(self) -> tasks.Task:
         """What is asked for."""
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
-                return task_from_table(self._table(), self.name or "identified", Path())
+                return tasks.task_from_table(self._table(), self.name or "identified", Path())
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
                 raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
-        task = load_task(self.files[0])
+        task = tasks.load_task(self.files[0])
         names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
         typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
         return replace(task, options={**task.options, **typed}, name=self.name or task.name)
@@ -203,8 +199,8 @@ class Identify(Command):
         return {"kind": "identification", **{name: one for name, one in given.items() if one is not None}}
 
 
-def _is_whole(found: Fit) -> bool:
-    return found.searches[0].converged and INTERRUPTED not in found.warnings
+def _is_whole(found: result.Fit) -> bool:
+    return found.searches[0].converged and fitting.INTERRUPTED not in found.warnings
 
 
 def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
@@ -215,8 +211,8 @@ def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
         name, _, (sigma,) = numbers("measured", word, form)
         if sigma <= 0.0:
             raise BadArgument("measured", f"must be {form}, got {word!r}")
-        one_of("measured", name, list(dict.fromkeys((*UNITS, *SERIES))))
-        found["series" if name in SERIES else "figures"][name] = sigma
+        one_of("measured", name, list(dict.fromkeys((*UNITS, *measurements.SERIES))))
+        found["series" if name in measurements.SERIES else "figures"][name] = sigma
     return found
 
 
@@ -230,7 +226,7 @@ def _unknown(word: str) -> dict[str, Any]:
     return {"name": name} | ({"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]})
 
 
-def _text(done: Validation, folder: Path) -> str:
+def _text(done: validation.Validation, folder: Path) -> str:
     """The parameters, what the data do not see, the errors, and where everything is."""
     found = done.found
     tables: dict[str, list[dict[str, Any]]] = {

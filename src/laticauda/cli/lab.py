@@ -5,16 +5,13 @@ import threading
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from laticauda import simulate
-from laticauda.actuation import JointLaw
+import laticauda as lc
+from laticauda import packaging, protocol
 from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import File, NetCdf, read
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
-from laticauda.interfaces import Start
 from laticauda.lab import Lab, LabAddresses, LabSettings, Tank, VirtualRobot, assist, load_faults
-from laticauda.packaging import __version__
-from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
@@ -74,9 +71,9 @@ class LabCommand(Command):
     """
 
     body: Body = option("What swims, where", default=Body())
-    start: Start = option("Where it lies, straight", default=Start())
+    start: lc.Start = option("Where it lies, straight", default=lc.Start())
     coefficients: Water = option("Replace what the chosen water has")
-    servos: JointLaw = option("The servos' own numbers")
+    servos: lc.JointLaw = option("The servos' own numbers")
     scene: Scene = option("What is around it", default=Scene())
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
@@ -95,7 +92,7 @@ class LabCommand(Command):
 
     def run(self) -> None:
         """Serve until Ctrl-C, or as long as is asked for."""
-        bus = bus_address(self.wires.bus, hops=self.wires.hops)
+        bus = protocol.bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
             raise BadArgument("bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}")
         tank = self._tank()
@@ -108,7 +105,7 @@ class LabCommand(Command):
         if lab.lag > 0.0:
             print(f"This computer could not follow: the lab's clock waited for {lab.lag:.1f} s.", file=sys.stderr)
         if self.save is not None:
-            tank.body.trial(__version__).save(self.save)
+            tank.body.trial(packaging.__version__).save(self.save)
 
     def _tank(self) -> Tank:
         """The tank that is asked for, its kernels compiled."""
@@ -118,7 +115,7 @@ class LabCommand(Command):
         settings = LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
         scene = None if self.body.scene is None else self.scene
-        body = simulate.plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
+        body = lc.plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
         return Tank(VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: LabAddresses, tank: Tank) -> None:

@@ -8,20 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import simulate
-from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import Folder, Input
+from laticauda.cli import command, flags
 from laticauda.files import read_text
-from laticauda.operate.drivers import Clock
-from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.operate import drivers, files, session, settings, terminal
 from laticauda.operate.series import run_series
-from laticauda.operate.session import operate, table
-from laticauda.operate.settings import Operation
-from laticauda.operate.terminal import Dashboard, Keys, Terminal, print_events
 from laticauda.quantities import option, quantity, value
 
 
 @value
-class Operate(Command):
+class Operate(command.Command):
     """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
 
     Space, q or Ctrl-C straighten and stop the robot; the second time, it is the emergency stop. The virtual tank of
@@ -30,8 +25,8 @@ class Operate(Command):
     For example: laticauda operate trial.toml --output runs
     """
 
-    file: Input = option("Trial file or series file (TOML)")
-    output: Folder = option("Folder of the recordings and trials", default="runs")
+    file: flags.Input = option("Trial file or series file (TOML)")
+    output: flags.Folder = option("Folder of the recordings and trials", default="runs")
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
     clear: bool = option("Clear faults of the modules first: you have looked at them", default=False)
     no_dashboard: bool = option(
@@ -48,25 +43,25 @@ class Operate(Command):
     )
     mocap: str | None = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Operate."""
-        wanted = load_operation(self.file)
+        wanted = files.load_operation(self.file)
         folder = Path(self.output)
-        if isinstance(wanted, SeriesFile):
+        if isinstance(wanted, files.SeriesFile):
             done = self._series(wanted, folder)
-            return Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
+            return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
         summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
         accepted = bool(summary["accepted"])
         problem = "" if accepted else summary["reason"]
-        return Outcome(facts=summary, text=table(summary), problem=problem, succeeded=accepted)
+        return command.Outcome(facts=summary, text=session.table(summary), problem=problem, succeeded=accepted)
 
-    def _operate(self, operation: Operation, folder: Path | None) -> Any:
+    def _operate(self, operation: settings.Operation, folder: Path | None) -> Any:
         text = read_text(self.file)
-        with Keys() as keys, Terminal(keys), self._shown(operation) as show:
-            return operate(
+        with terminal.Keys() as keys, terminal.Terminal(keys), self._shown(operation) as show:
+            return session.operate(
                 operation,
                 folder,
-                clock=Clock(speed=self.speed),
+                clock=drivers.Clock(speed=self.speed),
                 keys=keys,
                 show=show,
                 clears=self.clear,
@@ -83,7 +78,7 @@ class Operate(Command):
         )
         return run_series(series, folder / series.name, self._operate, place=self._place)
 
-    def _place(self, operation: Operation, repeat: int) -> None:
+    def _place(self, operation: settings.Operation, repeat: int) -> None:
         """Ask for the robot to be put where the next run starts."""
         if operation.start is None:
             return
@@ -93,13 +88,13 @@ class Operate(Command):
         if sys.stdin.isatty():
             input("Enter when it lies there: ")
 
-    def _shown(self, operation: Operation) -> Any:
+    def _shown(self, operation: settings.Operation) -> Any:
         """What shows the ticks: the dashboard, or plain lines on standard error."""
         if self.no_dashboard or self.json or not sys.stdout.isatty():
-            return nullcontext(print_events)
-        return Dashboard(operation)
+            return nullcontext(terminal.print_events)
+        return terminal.Dashboard(operation)
 
-    def _chosen(self, operation: Operation) -> Operation:
+    def _chosen(self, operation: settings.Operation) -> settings.Operation:
         """The file's operation, with what the options say otherwise."""
         connection = operation.connection.at(can=self.can, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage

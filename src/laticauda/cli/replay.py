@@ -2,20 +2,15 @@
 
 from typing import Any
 
-from laticauda import figures, simulate
-from laticauda.cli.command import Outcome
-from laticauda.cli.flags import Input, NetCdf, Picture
-from laticauda.cli.report import as_text, facts_of
-from laticauda.cli.view import Filming
+from laticauda import estimation, figures, operate, simulate
+from laticauda.cli import command, flags, report, view
 from laticauda.errors import BadArgument
-from laticauda.estimation import Estimate, KinematicEstimator
-from laticauda.operate import OperationLog, Rerun, read_operation, rerun_controller, rerun_estimator, trial_of
 from laticauda.operate.recording.entries import Timing
 from laticauda.quantities import option, value
 
 
 @value
-class Replay(Filming):
+class Replay(view.Filming):
     """Make a trial of a recorded operation, and print its figures.
 
     The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
@@ -24,8 +19,8 @@ class Replay(Filming):
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
 
-    file: Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
-    save: NetCdf = option("Write the trial to this file (.nc)", default=None)
+    file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
+    save: flags.NetCdf = option("Write the trial to this file (.nc)", default=None)
     estimate: bool = option(
         "Estimate the motion again from the recorded samples; the trial is then of that", default=False
     )
@@ -33,22 +28,22 @@ class Replay(Filming):
     control: bool = option(
         "Let the controller decide again, and compare its commands with the recorded ones", default=False
     )
-    plot_timing: Picture = option(
+    plot_timing: flags.Picture = option(
         "Draw how punctual the operator's loop was into this picture (.png or .pdf)", default=None
     )
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Read, run again, and write."""
-        log = read_operation(self.file)
+        log = operate.read_operation(self.file)
         estimates = self._estimates(log)
-        trial = trial_of(log, estimates)
+        trial = operate.trial_of(log, estimates)
         self._draw(log.timing)
-        rerun = rerun_controller(log, estimates=estimates) if self.control else None
+        rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
         if self.save is not None:
             trial.save(self.save)
         self.write_film(trial)
-        facts: dict[str, Any] = {**facts_of(trial), "lost": log.lost}
-        text = [as_text(trial)]
+        facts: dict[str, Any] = {**report.facts_of(trial), "lost": log.lost}
+        text = [report.as_text(trial)]
         if log.timing is not None:
             facts["timing"] = log.timing.summary()
             text.append(_punctual(log.timing))
@@ -60,7 +55,7 @@ class Replay(Filming):
             }
             text.append(_sentence(rerun))
         lost = f"laticauda: {log.lost}" if log.lost else ""
-        return Outcome(facts=facts, text="\n\n".join(text), problem=lost, succeeded=trial.succeeded)
+        return command.Outcome(facts=facts, text="\n\n".join(text), problem=lost, succeeded=trial.succeeded)
 
     def _draw(self, timing: Timing | None) -> None:
         if self.plot_timing is None:
@@ -69,12 +64,12 @@ class Replay(Filming):
             raise BadArgument("plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}")
         figures.save_figure(figures.timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)
 
-    def _estimates(self, log: OperationLog) -> list[Estimate] | None:
+    def _estimates(self, log: operate.OperationLog) -> list[estimation.Estimate] | None:
         if self.kinematics:
             known = {name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")}
             kwargs = {name: one for name, one in known.items() if one is not None}
-            return rerun_estimator(log, KinematicEstimator(robot=log.header.run.robot, **kwargs))
-        return rerun_estimator(log, plant=simulate.plant) if self.estimate else None
+            return operate.rerun_estimator(log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs))
+        return operate.rerun_estimator(log, plant=simulate.plant) if self.estimate else None
 
 
 def _punctual(timing: Timing) -> str:
@@ -89,7 +84,7 @@ def _punctual(timing: Timing) -> str:
     return "\n".join(words)
 
 
-def _sentence(rerun: Rerun) -> str:
+def _sentence(rerun: operate.Rerun) -> str:
     n = len(rerun.recorded)
     if rerun.n_different == 0:
         return f"The controller decided the same again, to the last bit, at all {n} control instants."

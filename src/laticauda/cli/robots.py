@@ -6,14 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import robot
-from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import Preset
-from laticauda.cli.tables import aligned, table
+from laticauda.cli import command, flags, tables
 from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, value
-from laticauda.robot import Ground, Parameters, Robot, Water
-from laticauda.robot.files import read_table
-from laticauda.robot.parameters import KIND
+from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
 
 KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
     "robots": (robot.robot_names, robot.load_robot),
@@ -27,27 +23,27 @@ GROUND_FACTS = ("friction", "tangential", "normal")
 
 
 @value
-class Robots(Command):
+class Robots(command.Command):
     """List the robots, waters, grounds and parameters that come with laticauda, or show one of them.
 
     For example: laticauda robots mamba --toml
     """
 
-    name: Preset = option("A preset of any kind, or a TOML file; all if left out", default=None)
+    name: flags.Preset = option("A preset of any kind, or a TOML file; all if left out", default=None)
     toml: bool = option("Print its TOML file, to change and to swim with", default=False)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Load, and describe."""
         if self.toml and self.json:
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
             if self.toml:
                 raise BadArgument("toml", "must be given with the NAME of a robot, water, ground or parameters")
-            return Outcome(facts=_all(), text="" if self.json else _lists())
+            return command.Outcome(facts=_all(), text="" if self.json else _lists())
         thing = _named(self.name)
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
         facts = robot.summary(thing) if isinstance(thing, Robot) else {}
-        return Outcome(
+        return command.Outcome(
             facts={**tomllib.loads(toml), **facts},  # all fields, as its TOML file has them, under the main facts
             text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else robot.describe(thing),
         )
@@ -59,7 +55,7 @@ def _named(name: str) -> Robot | Water | Ground | Parameters:
         if name in names():
             return load(name)
     if name.endswith(".toml"):
-        is_parameters = read_table(Path(name)).get("kind") == KIND
+        is_parameters = files.read_table(Path(name)).get("kind") == parameters.KIND
         return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
     return robot.load_robot(one_of("name", name, [one for names, _ in KINDS.values() for one in names()]))
 
@@ -73,9 +69,9 @@ def _lists() -> str:
     book = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
     return "\n\n".join([
         _robots(_summaries()),
-        table([*_rows("water", WATER_FACTS), book]),
-        table(_rows("ground", GROUND_FACTS)),
-        table(titles),
+        tables.table([*_rows("water", WATER_FACTS), book]),
+        tables.table(_rows("ground", GROUND_FACTS)),
+        tables.table(titles),
     ])  # fmt: skip
 
 
@@ -89,7 +85,7 @@ def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
         n_links, n_joints, fin = str(one["n_links"]), str(one["n_joints"]), "yes" if one["caudal_fin"] else "no"
         size = f"{one['length']:.2f}", f"{one['mass']:.2f}"
         rows.append((one["name"], n_links, n_joints, *size, fin, one["description"]))
-    return aligned(rows, right=(1, 2, 3, 4))
+    return tables.aligned(rows, right=(1, 2, 3, 4))
 
 
 def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:

@@ -8,16 +8,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
-from laticauda import simulate
+import laticauda as lc
+from laticauda import robot, simulate
 from laticauda.cli.command import Command
 from laticauda.cli.flags import File, read, was_typed
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
-from laticauda.fluid import DragLaw
-from laticauda.gaits import Gait, JointAngles, recorded_gait
-from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Environment, Robot, Water, load_joint_angles, load_robot
 from laticauda.scenarios import Choice, Model, Scenario, Spatial, load_scenario, model_of, named_after
 
 Kind = TypeVar("Kind", bound=Extensible)
@@ -53,24 +50,24 @@ class Names(Choice):
         """
         return read(cls, words, prog, first=True)
 
-    def motion(self) -> Gait:
+    def motion(self) -> lc.Gait:
         """Mamba's first trial of the paper, with the envelope that is asked for; or what was recorded."""
         if self.joint_angles is not None:
-            return recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
-        return Gait(
+            return lc.recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
+        return lc.Gait(
             envelope=self._envelope(),
             amplitude=math.radians(30.0),
             frequency=math.radians(130.0),
             phase_shift=math.radians(40.0),
         )
 
-    def _envelope(self) -> Envelope:
+    def _envelope(self) -> lc.Envelope:
         if (self.envelope is None) == (self.gait == "custom"):
             rule = f"must be given for the gait custom, and only for it; --gait is {self.gait}, got {self.envelope}"
             raise BadArgument("envelope", rule)
         if self.envelope is not None:
-            return Custom(values=self.envelope)
-        return member(Envelope, self.gait.replace("_", "-"), "gait")
+            return lc.Custom(values=self.envelope)
+        return member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
     def scenario(self, words: Sequence[str]) -> tuple[Scenario, str]:
         """What the names stand for, and where the environment is from, in words.
@@ -96,9 +93,9 @@ class Names(Choice):
         gait = found.gait if is_kept else replace(found.gait, envelope=envelope)
         gait = self.motion() if "joint_angles" in typed else gait
 
-        def find_robot(name: str, n_links: int | None) -> Robot:
+        def find_robot(name: str, n_links: int | None) -> lc.Robot:
             if "robot" in typed:
-                return load_robot(name, n_links)
+                return lc.load_robot(name, n_links)
             return found.robot if n_links is None else found.robot.with_links(n_links)
 
         chosen = self._known().resolved(gait, find_robot)
@@ -110,7 +107,7 @@ class Names(Choice):
         return replace(
             found,
             robot=chosen.robot,
-            motion=gait if isinstance(found.motion, Gait) else replace(cast("Any", found.motion), gait=gait),
+            motion=gait if isinstance(found.motion, lc.Gait) else replace(cast("Any", found.motion), gait=gait),
             environment=self._with_law(where),
             model=model_of(model, joints=joints) if joints not in (None, name_of(type(model.joints))) else model,
         )
@@ -120,22 +117,22 @@ class Names(Choice):
         given = {name: imported(one, name) for name in ("joints", "scene") if (one := getattr(self, name)) is not None}
         return replace(self, **given)
 
-    def _with_law(self, environment: Environment) -> Environment:
+    def _with_law(self, environment: robot.Environment) -> robot.Environment:
         if self.law is None:
             return environment
-        law, field = member(DragLaw, self.law, "law"), "drag" if isinstance(environment, Water) else "friction"
+        law, field = member(lc.DragLaw, self.law, "law"), "drag" if isinstance(environment, lc.Water) else "friction"
         is_kept = type(law) is type(getattr(environment, field))  # with the numbers that it has there
         changes: Any = {field: law, "name": f"{environment.name} with {name_of(type(law))}"}
         return environment if is_kept else replace(environment, **changes)
 
 
-def _recorded(name: str) -> JointAngles:
+def _recorded(name: str) -> lc.JointAngles:
     """The angles of a preset, of a table of them, or of a trial in any of its formats."""
     if Path(name).suffix in ("", ".csv"):
-        return load_joint_angles(name)
+        return lc.load_joint_angles(name)
     from laticauda.logs import load_trial
 
-    return JointAngles.of(load_trial(name))
+    return lc.JointAngles.of(load_trial(name))
 
 
 def imported(name: str, option: str) -> str:
@@ -178,7 +175,7 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
         raise BadArgument(option, error.rule) from None
 
 
-def warn_of_compiling(environment: Environment, model: Model | str = "planar") -> None:
+def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:
     """Say that kernels will be compiled, if so.
 
     Args:
@@ -236,6 +233,6 @@ class OfScenario(Command):
     def chosen(self) -> Scenario:
         """The scenario with the numbers that were typed; its water says by its name in what it differs."""
         water, old = self.scenario.environment, self.before.environment
-        if not isinstance(water, Water) or not isinstance(old, Water):
+        if not isinstance(water, lc.Water) or not isinstance(old, lc.Water):
             return self.scenario
         return replace(self.scenario, environment=named_after(water, old))

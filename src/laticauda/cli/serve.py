@@ -4,13 +4,11 @@ import sys
 from pathlib import Path
 
 import laticauda as lc
+from laticauda import cosim, robot
+from laticauda.cli import flags, scene
 from laticauda.cli.command import LOCAL, Command, until_stopped
-from laticauda.cli.flags import Files
-from laticauda.cli.scene import warn_of_compiling
-from laticauda.cosim import PROTOCOL_VERSION, Server, matlab_folder
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, load_robot, load_water, robot_names
 
 
 @value
@@ -26,14 +24,14 @@ class Serve(Command):
     host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
     max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
-    robots: Files = option(
+    robots: flags.Files = option(
         "TOML files of robots that clients may ask for by their file's name without .toml, besides the presets",
         default=(),
     )
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        server = Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
+        server = cosim.Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
         _compile()
         server.open()
         with until_stopped(server.close):
@@ -42,33 +40,33 @@ class Serve(Command):
                 warning = "can use this computer's time: the protocol knows no passwords."
                 print(f"Anyone who reaches {server.host} {warning}", file=sys.stderr)
                 only = ""
-            facts = {"host": server.host, "port": server.port, "protocol": PROTOCOL_VERSION}
+            facts = {"host": server.host, "port": server.port, "protocol": cosim.PROTOCOL_VERSION}
             address = f"{server.host}:{server.port}"
-            folder = str(matlab_folder())
-            text = f"tcp {address}{only} | protocol {PROTOCOL_VERSION} | matlab {folder}"
+            folder = str(cosim.matlab_folder())
+            text = f"tcp {address}{only} | protocol {cosim.PROTOCOL_VERSION} | matlab {folder}"
             self.announce({**facts, "matlab": folder}, text)
             server.run()
 
 
-def _own(files: tuple[str, ...]) -> dict[str, Robot]:
+def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
     """The robots in files by the names of the files.
 
     Raises:
         ValueError: If a preset, or another one, has that name.
     """
-    found: dict[str, Robot] = {}
+    found: dict[str, lc.Robot] = {}
     for file in files:
         name = Path(file).stem
-        if name in found or name in robot_names():
+        if name in found or name in robot.robot_names():
             raise BadArgument("robots", f"must have names of their own, got {file}: there is another `{name}`")
-        found[name] = load_robot(Path(file))
+        found[name] = lc.load_robot(Path(file))
     return found
 
 
 def _compile() -> None:
     """Let nobody's first step wait for the compiler."""
-    water = load_water("paper-lateral")
-    warn_of_compiling(water)
+    water = lc.load_water("paper-lateral")
+    scene.warn_of_compiling(water)
     command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
-    body = lc.plant(load_robot("mamba"), water)
+    body = lc.plant(lc.load_robot("mamba"), water)
     body.step(body.init(lc.Start(), command), command, 1e-3)

@@ -6,19 +6,13 @@ from typing import Any, ClassVar
 
 import laticauda as lc
 from laticauda import figures, simulate
-from laticauda.cli import flags
-from laticauda.cli.command import Outcome
+from laticauda.cli import command, flags, progress, report, scene, view
 from laticauda.cli.flags import BadFlag, File, Files, NetCdf, Picture, ScenarioFile, Toml
-from laticauda.cli.progress import run_bar
-from laticauda.cli.report import as_text, facts_of, interval_table
-from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.cli.view import Filming
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Scenario
 
 
 @value
-class Recording(Filming):
+class Recording(view.Filming):
     """A command that makes a trial, and what becomes of that."""
 
     save: NetCdf = option("Write the trial to this netCDF file (.nc)", default=None)
@@ -32,7 +26,7 @@ class Recording(Filming):
         more: str = "",
         facts: Mapping[str, Any] | None = None,
         beside: Sequence[lc.Trial] = (),
-    ) -> Outcome:
+    ) -> command.Outcome:
         """Write what is asked for, and say what came out.
 
         Args:
@@ -48,23 +42,23 @@ class Recording(Filming):
         if self.plot is not None:
             figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
         self.write_film(trial, beside=beside)
-        return Outcome(
-            facts={**facts_of(trial), **(facts or {})},
-            text=as_text(trial, origin) + more,
+        return command.Outcome(
+            facts={**report.facts_of(trial), **(facts or {})},
+            text=report.as_text(trial, origin) + more,
             problem="" if trial.succeeded else trial.status,
             succeeded=trial.succeeded,
         )
 
 
 @value
-class Run(OfScenario, Recording):
+class Run(scene.OfScenario, Recording):
     """A command that lets one scenario run."""
 
     file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
     link_forces: bool = option("Log the force on every link too", default=False)
     save_scenario: Toml = option("Write what runs to this scenario file (.toml)", default=None)
 
-    def swum(self, scenario: Scenario) -> lc.Trial:
+    def swum(self, scenario: lc.Scenario) -> lc.Trial:
         """The run of a scenario, which is written if that is asked for.
 
         Args:
@@ -72,8 +66,8 @@ class Run(OfScenario, Recording):
         """
         if self.save_scenario is not None:
             lc.save_scenario(scenario, self.save_scenario)
-        warn_of_compiling(scenario.environment, scenario.model)
-        return lc.swim(scenario, link_forces=self.link_forces, progress=run_bar(scenario.duration))
+        scene.warn_of_compiling(scenario.environment, scenario.model)
+        return lc.swim(scenario, link_forces=self.link_forces, progress=progress.run_bar(scenario.duration))
 
 
 @value
@@ -100,7 +94,7 @@ class Swim(Run):
         """The command that was typed; see `OfScenario.read`."""
         return SwimOn.read(words, prog) if flags.was_typed("resume", words) else super().read(words, prog)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Run and write."""
         if self.beside:
             return self._together()
@@ -108,14 +102,14 @@ class Swim(Run):
         if not self.interval:
             return self.outcome(trial, self.origin)
         found = simulate.spread(trial)
-        return self.outcome(trial, self.origin, f"\n\n{interval_table(trial, found)}", {"interval": found})
+        return self.outcome(trial, self.origin, f"\n\n{report.interval_table(trial, found)}", {"interval": found})
 
-    def _together(self) -> Outcome:
+    def _together(self) -> command.Outcome:
         """The robot and those of further scenario files, in one scene."""
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
-        trial, *others = lc.swim_together(scenarios, progress=run_bar(self.chosen.duration))
-        facts = {"beside": [facts_of(one) for one in others]}
-        return self.outcome(trial, self.origin, "".join(f"\n\n{as_text(one)}" for one in others), facts, others)
+        trial, *others = lc.swim_together(scenarios, progress=progress.run_bar(self.chosen.duration))
+        facts = {"beside": [report.facts_of(one) for one in others]}
+        return self.outcome(trial, self.origin, "".join(f"\n\n{report.as_text(one)}" for one in others), facts, others)
 
 
 @value
@@ -139,21 +133,21 @@ class SwimOn(Recording):
                 raise BadFlag(f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own.")
         return flags.read(cls, words, prog)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Run and write."""
         assert self.resume is not None
         first = lc.load_trial(self.resume)
-        if not isinstance(first.scenario, Scenario):
+        if not isinstance(first.scenario, lc.Scenario):
             raise BadFlag(f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}")
         scenario = replace(first.scenario, duration=self.duration)
         body = lc.plant(scenario)
-        warn_of_compiling(scenario.environment, scenario.model)
+        scene.warn_of_compiling(scenario.environment, scenario.model)
         second = lc.resume(
             body,
             first,
             self.duration,
             sample_interval=self.sample_interval,
             link_forces=first.link_force is not None,
-            progress=run_bar(self.duration),
+            progress=progress.run_bar(self.duration),
         )
         return self.outcome(lc.joined(first, second), f"as stored in {self.resume}")

@@ -3,11 +3,7 @@
 from collections.abc import Sequence
 
 import laticauda as lc
-from laticauda.cli.command import Command, Outcome, check_output
-from laticauda.cli.flags import File, Input, Inputs, Output
-from laticauda.cli.report import as_text, facts_of
-from laticauda.cli.tables import aligned, percent, read_in
-from laticauda.cli.view import Filming
+from laticauda.cli import command, flags, report, tables, view
 from laticauda.errors import TrialFileError
 from laticauda.quantities import option, value
 from laticauda.trial import ComparedFigure, Format
@@ -16,30 +12,30 @@ TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a
 
 
 @value
-class OfTrials(Command):
+class OfTrials(command.Command):
     """A command about stored trials."""
 
-    columns: File = option(
+    columns: flags.File = option(
         "What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs",
         default=None,
     )
 
 
 @value
-class Show(OfTrials, Filming):
+class Show(OfTrials, view.Filming):
     """Print the figures of a stored trial, and film it.
 
     For example: laticauda trial show run.nc
     """
 
-    file: Input = option(TRIAL)
+    file: flags.Input = option(TRIAL)
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Read."""
         trial = lc.load_trial(self.file, self.columns)
         self.write_film(trial)
         made = f"made     {trial.created} with laticauda {trial.version}"
-        return Outcome(facts=facts_of(trial), text=f"{made}\n{as_text(trial)}")
+        return command.Outcome(facts=report.facts_of(trial), text=f"{made}\n{report.as_text(trial)}")
 
 
 @value
@@ -49,11 +45,11 @@ class Compare(OfTrials):
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: Inputs = option(
+    files: flags.Inputs = option(
         "Two trials or more; the one to compare with first. Logs of other programs need --columns", default=()
     )
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Read and compare."""
         rows = lc.compare([_either(file, self.columns) for file in self.files])
         figures = {
@@ -65,7 +61,7 @@ class Compare(OfTrials):
             }
             for row in rows
         }
-        return Outcome(facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows))
+        return command.Outcome(facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows))
 
 
 @value
@@ -75,18 +71,18 @@ class Convert(OfTrials):
     For example: laticauda trial convert run.nc run.mcap
     """
 
-    file: Input = option(TRIAL)
-    output: Output = option(
+    file: flags.Input = option(TRIAL)
+    output: flags.Output = option(
         "The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced"
     )
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Read and write."""
-        check_output("output", self.output, Format.endings())
+        command.check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)
-        return Outcome(
+        return command.Outcome(
             facts={"output": self.output, "n_samples": n_samples}, text=f"{self.output}: {n_samples} samples"
         )
 
@@ -96,20 +92,20 @@ def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
     first, *others = names
     lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
     for row in rows:
-        cells = [read_in(value, row.figure.unit) for value in row.values]
+        cells = [tables.read_in(value, row.figure.unit) for value in row.values]
         line = [row.figure.title, cells[0][0], cells[0][1]]
         for i, (shown, _) in enumerate(cells[1:], start=1):
             line += [shown, _difference(row, i)]
         lines.append(line)
-    return aligned(lines, right=(1, *range(3, len(lines[0]))))
+    return tables.aligned(lines, right=(1, *range(3, len(lines[0]))))
 
 
 def _difference(row: ComparedFigure, i: int) -> str:
     """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
     share, difference = row.differences_percent[i], row.differences[i]
     if share is not None or difference is None:
-        return percent(share)
-    shown, unit = read_in(difference, row.figure.unit)
+        return tables.percent(share)
+    shown, unit = tables.read_in(difference, row.figure.unit)
     return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
 
 

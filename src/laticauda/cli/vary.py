@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cli.command import Outcome
-from laticauda.cli.scene import OfScenario
+from laticauda import files, studies
+from laticauda.cli import command, scene
 from laticauda.cli.tables import MISSING, READ_IN, aligned, numbers, read_in, table
 from laticauda.errors import BadArgument
-from laticauda.files import read_text
 from laticauda.quantities import DEGREES, option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, parameters
-from laticauda.studies import Grid, Rows
 from laticauda.studies.trials import QUANTITIES, attributes_of
 
 # Fields of these go by their last word alone, like the options.
@@ -34,7 +32,7 @@ Known = Mapping[str, Parameter]
 
 
 @value
-class Study(OfScenario):
+class Study(scene.OfScenario):
     """A command that lets a scenario swim with many values of its numbers."""
 
     names: bool = option("Print the names of what can be varied, and end", default=False)
@@ -42,16 +40,16 @@ class Study(OfScenario):
         "", "How many trials run at once on this machine; one per core if left out", ge=1, default=None
     )
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
         known = parameters(self.chosen)
         if not self.names:
             return self.studied(self.chosen, known)
         lines = [(spelled(one), read_in(0.0, one.unit)[1] or MISSING, one.title) for one in known.values()]
         facts = {name: {"unit": one.unit, "title": one.title} for name, one in known.items()}
-        return Outcome(facts=facts, text=aligned([("name", "unit", ""), *lines]))
+        return command.Outcome(facts=facts, text=aligned([("name", "unit", ""), *lines]))
 
-    def studied(self, scenario: Scenario, known: Known) -> Outcome:
+    def studied(self, scenario: Scenario, known: Known) -> command.Outcome:
         """Do the work.
 
         Args:
@@ -68,7 +66,7 @@ def spelled(parameter: Parameter) -> str:
     return ((".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")).replace("_", "-")
 
 
-def grid(words: Sequence[str], known: Known) -> Grid:
+def grid(words: Sequence[str], known: Known) -> studies.Grid:
     """Every combination of the values.
 
     Args:
@@ -90,7 +88,7 @@ def grid(words: Sequence[str], known: Known) -> Grid:
                 raise BadArgument("vary", f"must have a COUNT that is a whole number >= 1, got {word!r}")
             values = np.linspace(low, high, int(count)).tolist()
         found[parameter.name] = [factor * one for one in values]
-    return Grid(values=found)
+    return studies.Grid(values=found)
 
 
 def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
@@ -116,7 +114,7 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
     return found
 
 
-def rows(path: str, known: Known) -> Rows:
+def rows(path: str, known: Known) -> studies.Rows:
     """The points of a CSV file: names in the first line, a point in every other.
 
     Args:
@@ -127,7 +125,7 @@ def rows(path: str, known: Known) -> Rows:
         ValueError: If the file cannot be read as such.
         OSError: If it cannot be read at all.
     """
-    with io.StringIO(read_text(path), newline="") as file:
+    with io.StringIO(files.read_text(path), newline="") as file:
         lines = csv.reader(file)
         names = [name.strip() for name in next(lines, ())]
         if not names:
@@ -147,7 +145,7 @@ def rows(path: str, known: Known) -> Rows:
                 if not math.isfinite(found):
                     raise BadArgument("list", f"must be a table of numbers, got {f'{text} in {where}'!r}")
                 column.append(factor * found)
-    return Rows(values=columns)
+    return studies.Rows(values=columns)
 
 
 def _number(text: str) -> float:

@@ -4,19 +4,17 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import laticauda as lc
-from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Files, Input, Mp4, Written
-from laticauda.cli.progress import film_bar
+from laticauda.cli import command, flags, progress
 from laticauda.errors import BadArgument
 from laticauda.pictures.camera import Film
 from laticauda.quantities import option, quantity, value
 
 
 @value
-class Filming(Command):
+class Filming(command.Command):
     """A command that has a trial, of which it may make a film."""
 
-    video: Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
+    video: flags.Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
     film: Film = option("What the film shows, and how large", default=Film())
 
     def write_film(self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()) -> None:
@@ -31,7 +29,7 @@ class Filming(Command):
             from laticauda.pictures.render import video
 
             begin, end = self.film.span(trial)
-            video(trial, self.video, self.film, speed=speed, beside=beside, progress=film_bar(end - begin))
+            video(trial, self.video, self.film, speed=speed, beside=beside, progress=progress.film_bar(end - begin))
 
 
 @value
@@ -43,13 +41,13 @@ class View(Filming):
     For example: laticauda view run.nc --still run.png
     """
 
-    file: Input = option("The trial, as `laticauda swim --save` wrote it")
-    still: Annotated[File, Written((".png",))] = option("Write a picture (.png)", default=None)
+    file: flags.Input = option("The trial, as `laticauda swim --save` wrote it")
+    still: Annotated[flags.File, flags.Written((".png",))] = option("Write a picture (.png)", default=None)
     time: float | None = quantity("s", "Moment of the picture; the end if left out", default=None)
     speed: float = quantity("", "How many times as fast to show it", gt=0.0, default=1.0)
-    beside: Files = option("Trials of other robots in the same scene, in the film or picture too", default=())
+    beside: flags.Files = option("Trials of other robots in the same scene, in the film or picture too", default=())
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Show or write."""
         if self.time is not None and self.still is None:
             raise BadArgument("time", "must be given with --still: it is the moment of the picture")
@@ -63,7 +61,7 @@ class View(Filming):
             from laticauda.pictures.replay import show
 
             show(trial, speed=self.speed)
-        return Outcome(
+        return command.Outcome(
             facts={"file": self.file, "video": self.video, "still": self.still},
             text=f"{self.video or self.still or self.file}: {trial.duration:g} s shown",
         )

@@ -11,10 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+import laticauda as lc
 from laticauda.figures import style
-from laticauda.gaits import Gait
-from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import swim_many
 from laticauda.studies.trials import QUANTITIES
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
@@ -33,17 +31,17 @@ class Picture(NamedTuple):
     limits: tuple[tuple[float, float], tuple[float, float]]
 
 
-def base_of(scenario: Scenario) -> Scenario:
+def base_of(scenario: lc.Scenario) -> lc.Scenario:
     """What the map depends on: scenarios with equal ones share it. It is in the plane, without steering.
 
     Args:
         scenario: What swims how.
     """
     gait = replace(scenario.gait, amplitude=0.0, frequency=0.0)
-    return replace(scenario, motion=gait, model=Planar(joints=scenario.model.joints))
+    return replace(scenario, motion=gait, model=lc.Planar(joints=scenario.model.joints))
 
 
-def map_of_gaits(scenario: Scenario) -> dict[str, Values]:
+def map_of_gaits(scenario: lc.Scenario) -> dict[str, Values]:
     """Trials of `DURATION` from rest side by side: each of `OF_GAITS`, over frequency and amplitude.
 
     Args:
@@ -54,11 +52,11 @@ def map_of_gaits(scenario: Scenario) -> dict[str, Values]:
     """
     base = replace(base_of(scenario), duration=DURATION, sample_interval=0.05)
     gaits = [with_wave(base.gait, amplitude, frequency) for frequency in FREQUENCIES for amplitude in AMPLITUDES]
-    swims = swim_many([replace(base, motion=gait) for gait in gaits])
+    swims = lc.swim_many([replace(base, motion=gait) for gait in gaits])
     return {name: np.asarray(getattr(swims, name)).reshape(len(FREQUENCIES), len(AMPLITUDES)) for name in OF_GAITS}
 
 
-def with_wave(gait: Gait, amplitude_deg: float, frequency_deg_s: float) -> Gait:
+def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc.Gait:
     """The gait with another amplitude [deg] and frequency [deg/s]."""
     return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
 

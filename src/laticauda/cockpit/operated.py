@@ -6,20 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.cockpit.pages import refusing
+from laticauda import interfaces, series
+from laticauda.cockpit import pages, shapes
 from laticauda.cockpit.scene import Body, Scene, Trail
-from laticauda.cockpit.shapes import Color
-from laticauda.interfaces import Observation
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
-from laticauda.series import Log
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
     from laticauda.operate.observer import Listener, Sight
 
-TRAIL: Color = (250, 120, 80)
+TRAIL: shapes.Color = (250, 120, 80)
 SPAN = 5.0  # over which its speed is taken [s]
 HINT_BUS = (
     "udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0, as `laticauda lab` and `laticauda operate` have it"
@@ -146,17 +144,17 @@ class OperatedRobot:
     def _left(self, event: Any) -> None:
         self.disconnect()
 
-    @refusing
+    @pages.refusing
     def _clicked(self, event: Any) -> None:
         name = self._robot.value
         connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
         self.connect(connection, self._own if name == self._own.name else load_robot(name))
 
 
-def _sample(estimate: "Estimate", fin_angle: float) -> Log:
+def _sample(estimate: "Estimate", fin_angle: float) -> series.Log:
     """An estimate as a sample to draw, which says nothing of the motors; with the angle of a driven fin [rad]."""
-    names = [name for name in Observation.__dataclass_fields__ if name in Log.__dataclass_fields__]
+    names = [name for name in interfaces.Observation.__dataclass_fields__ if name in series.Log.__dataclass_fields__]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     nothing = np.zeros_like(estimate.joint_angle)
     fin = {"fin_angle_0": np.asarray(fin_angle)}
-    return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin)
+    return series.Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin)

@@ -6,16 +6,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from laticauda.cockpit import pages
-from laticauda.cockpit.board import Board
-from laticauda.cockpit.controls import Controls
+from laticauda.cockpit import board, controls, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
 from laticauda.cockpit.pages import Event, EventQueue, refusing
-from laticauda.cockpit.readouts import Plots, numbers_text
-from laticauda.cockpit.runs import Runs, stored_trial
-from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME, Scene
-from laticauda.cockpit.simulation import depth_of, path_of, route_of
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
@@ -46,21 +40,21 @@ class Cockpit:
         gui = self._server.gui
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="large")
         gui.set_panel_label("laticauda cockpit")
-        self._scene = Scene(self._server.scene)
+        self._scene = scene.Scene(self._server.scene)
         camera = self._server.initial_camera
-        camera.position, camera.look_at = HOME
-        camera.fov = FIELD_OF_VIEW
+        camera.position, camera.look_at = scene.HOME
+        camera.fov = scene.FIELD_OF_VIEW
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
-            self._controls = Controls(gui, live, self._events, self._changed)
+            self._controls = controls.Controls(gui, live, self._events, self._changed)
             self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
         with tabs.add_tab("Plots"):
-            self._plots = Plots(gui)
+            self._plots = readouts.Plots(gui)
         with tabs.add_tab("Map"):
-            self._board = Board(gui, self._server.scene, live, self._events, self._show_scenario)
+            self._board = board.Board(gui, self._server.scene, live, self._events, self._show_scenario)
         with tabs.add_tab("Run"):
-            self._runs = Runs(gui, live, self._scene)
+            self._runs = runs.Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
             self.operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
             """The robot that somebody else operates, if it is connected."""
@@ -95,7 +89,7 @@ class Cockpit:
             MissingExtra: If the format needs a package that is not installed.
             ValueError: If the trial does not say how the robot was bent.
         """
-        self._runs.play(stored_trial(path, str(path)))
+        self._runs.play(runs.stored_trial(path, str(path)))
 
     def open(self) -> None:
         """Let time pass, in a thread of its own."""
@@ -138,7 +132,7 @@ class Cockpit:
             operated = self.operated.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
                 self._scene.trail.draw()
-                self._figures.content = numbers_text(live)
+                self._figures.content = readouts.numbers_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
         self._cameras.show(sample.center_of_mass if operated is None else operated)
@@ -146,13 +140,13 @@ class Cockpit:
     @property
     def _height(self) -> float:
         """At which a path is drawn: its own, or the robot's [m]."""
-        place, depth = self.live.latest().center_of_mass, depth_of(self.live.scenario)
+        place, depth = self.live.latest().center_of_mass, simulation.depth_of(self.live.scenario)
         return -depth if depth is not None else float(place[2]) if place.size == 3 else 0.0
 
     def _changed(self) -> None:
         """After every change of the scenario."""
-        path, live = path_of(self.live.scenario), self.live
-        self._scene.path(route_of(live.scenario, self._height))
+        path, live = simulation.path_of(self.live.scenario), self.live
+        self._scene.path(simulation.route_of(live.scenario, self._height))
         self._scene.surroundings(live.simulation.plant, live.simulation.state)
         self._gizmo.visible = isinstance(path, StraightLine)
         if isinstance(path, StraightLine):
@@ -169,13 +163,13 @@ class Cockpit:
     @refusing
     def _drag(self, event: Event) -> None:
         """The path goes where its gizmo is dragged to."""
-        if path_of(self.live.scenario) is None:
+        if simulation.path_of(self.live.scenario) is None:
             return
         (x, y, _), (w, _, _, z), phase = event.value
         try:
             self.live.alter(path=StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))))
         finally:
-            self._scene.path(route_of(self.live.scenario, self._height))
+            self._scene.path(simulation.route_of(self.live.scenario, self._height))
             if phase == "end":
                 self._runs.changed()
 

@@ -9,16 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from laticauda import logs, operate, robot, scenarios, series
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import refusing
 from laticauda.cockpit.scene import Scene
 from laticauda.errors import TrialFileError
-from laticauda.logs import load_trial, open_recording
-from laticauda.operate import read_operation, trial_of
 from laticauda.operate.recording.header import HEADER
-from laticauda.robot import Robot
-from laticauda.scenarios import Scenario, run_to_toml
-from laticauda.series import Log
 from laticauda.trial import Format, Trial
 
 READ = tuple(ending for ending in Format.endings() if ending != ".csv")
@@ -68,7 +64,7 @@ class Ghost:
         trial.need("a picture of the robot", "joint_angle", "heading", "link_angle")
         self.shift = np.zeros(trial.center_of_mass.shape[1])
         """By which it is shown beside its place [m]."""
-        self.robot: Robot = trial.chain
+        self.robot: robot.Robot = trial.chain
         self._trial = trial
         if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
             raise ValueError("The trial must say which way the robot was turned in space, to be shown.")
@@ -77,7 +73,7 @@ class Ghost:
         """Show it so that it begins at a place [m]."""
         self.shift[:2] = place[:2] - self._trial.center_of_mass[0, :2]
 
-    def sample(self, time: float) -> Log:
+    def sample(self, time: float) -> series.Log:
         """The sample at a time since its begin; after its end it begins anew [s]."""
         trial = self._trial
         within = float(trial.time[0]) + (time % trial.duration if trial.duration > 0.0 else 0.0)
@@ -194,9 +190,9 @@ def stored_trial(path: Path, name: str) -> Trial:
     if path.suffix not in READ:
         raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
     try:
-        if path.suffix == ".mcap" and HEADER in open_recording(path).metadata:
-            return trial_of(read_operation(path))
-        return load_trial(path)
+        if path.suffix == ".mcap" and HEADER in logs.open_recording(path).metadata:
+            return operate.trial_of(operate.read_operation(path))
+        return logs.load_trial(path)
     except TrialFileError as error:
         raise TrialFileError(str(error).replace(str(path), name)) from error
 
@@ -208,13 +204,13 @@ def _send(event: Any, name: str, content: bytes) -> None:
 # ---- the same run elsewhere ----------------------------------------------------------------------------------------
 
 
-def scenario_file(scenario: Scenario) -> str:
+def scenario_file(scenario: scenarios.Scenario) -> str:
     """The content of the scenario file: everything that decides the run, for `DURATION`.
 
     Args:
         scenario: What swims how.
     """
-    return run_to_toml(replace(scenario, duration=DURATION))
+    return scenarios.run_to_toml(replace(scenario, duration=DURATION))
 
 
 def in_shell(file: str) -> str:

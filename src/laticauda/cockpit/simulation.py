@@ -6,16 +6,11 @@ from typing import Any, TypedDict, Unpack, cast
 
 import numpy as np
 
-from laticauda.actuation.laws import JointLaw
-from laticauda.control import Following, Path, PathFollowing, SpatialPathFollowing, StraightLine
-from laticauda.dynamics.plant import Plant
+import laticauda as lc
+from laticauda import control, series
 from laticauda.errors import instance
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Start
-from laticauda.robot import Robot, Water, load_robot
 from laticauda.robot.environment import Current
 from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
-from laticauda.series import Log
 from laticauda.simulate import plant
 from laticauda.trial.measured import MeasuredTrial, measured_setting
 
@@ -34,15 +29,15 @@ class Simulation:
 
     scenario: Scenario
     """What swims how, where and by which model."""
-    plant: Plant[Any]
+    plant: lc.Plant[Any]
     """That of the scenario."""
     state: Any
     """Of the plant."""
     controller_state: Any
     """Of the scenario's controller."""
-    command: Command
+    command: lc.Command
     """What acts: what the controller said last, or what is left of it until the loop's delay is over."""
-    shape: Gait
+    shape: lc.Gait
     """The gait whose envelope is swum: the old one until its amplitude has come down."""
     fade: float = 0.0
     """How long it still has to [s]."""
@@ -50,7 +45,7 @@ class Simulation:
     """Since the simulation began [-]."""
     next_control: int = 0
     """The tick at which the controller is asked again."""
-    coming: tuple[tuple[int, Command], ...] = ()
+    coming: tuple[tuple[int, lc.Command], ...] = ()
     """Commands on their way to the joints, and the tick at which each arrives."""
     failure: str | None = None
     """What went wrong; it stands still then."""
@@ -61,7 +56,7 @@ class Simulation:
         return self.ticks * TICK
 
     @property
-    def held(self) -> Command:
+    def held(self) -> lc.Command:
         """What the plant is given now: the command, but for another kind of gait that has to wait."""
         if self.fade == 0.0:
             return self.command
@@ -75,7 +70,7 @@ class Simulation:
     @property
     def delay_ticks(self) -> int:
         """How many ticks a command is on its way [-]."""
-        return 0 if isinstance(self.scenario.motion, Gait) else round(self.scenario.model.loop_delay / TICK)
+        return 0 if isinstance(self.scenario.motion, lc.Gait) else round(self.scenario.model.loop_delay / TICK)
 
     @property
     def has_interval(self) -> bool:
@@ -117,14 +112,14 @@ class Simulation:
             state = self._carried(body, scenario.gait)
         goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
         steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": self.ticks}
-        is_steered = not isinstance(scenario.motion, Gait)
+        is_steered = not isinstance(scenario.motion, lc.Gait)
         fading = scenario.gait.kind != self.shape.kind
         after = replace(
             self,
             scenario=scenario,
             plant=body,
             state=state,
-            command=Command(gait=scenario.gait, offset=self.command.offset if is_steered else 0.0),
+            command=lc.Command(gait=scenario.gait, offset=self.command.offset if is_steered else 0.0),
             coming=tuple((at, replace(one, gait=scenario.gait)) for at, one in self.coming) if is_steered else (),
             shape=self.shape if fading else scenario.gait,
             fade=(self.fade or FADE) if fading else 0.0,
@@ -134,7 +129,7 @@ class Simulation:
         body.march(after.state, after.held, TICK, TICK)  # refuses now what it would refuse later
         return after
 
-    def _carried(self, body: Plant[Any], gait: Gait) -> Any:
+    def _carried(self, body: lc.Plant[Any], gait: lc.Gait) -> Any:
         """The old state in a new body, or a new one at the same place."""
         if type(body) is type(self.plant) and self.plant.robot.n_links == body.robot.n_links:
             try:
@@ -143,12 +138,12 @@ class Simulation:
                 pass  # a fin that bends has more numbers
         now = self.plant.observe(self.state)
         x, y, *height = (float(value) for value in now.center_of_mass)
-        start = Start(center_of_mass=(x, y), heading=float(now.heading))
+        start = lc.Start(center_of_mass=(x, y), heading=float(now.heading))
         if height and getattr(body.settings, "root", None) == "free":
             start = replace(start, depth=-height[0])
-        return body.init(start, Command(gait=gait))
+        return body.init(start, lc.Command(gait=gait))
 
-    def advance(self, *, link_forces: bool = False) -> tuple["Simulation", Log]:
+    def advance(self, *, link_forces: bool = False) -> tuple["Simulation", series.Log]:
         """The simulation one `TICK` later, and what was logged, with the controller's signals: both ends of the tick.
 
         Args:
@@ -186,9 +181,9 @@ def begin(scenario: Scenario) -> Simulation:
         ValueError: If it does not go together, or a page cannot show it.
     """
     body, start = plant(checked(scenario)), scenario.start
-    instance("start", start, Start)
-    command = Command(gait=scenario.gait)
-    state = body.init(cast(Start, start), command)
+    instance("start", start, lc.Start)
+    command = lc.Command(gait=scenario.gait)
+    state = body.init(cast(lc.Start, start), command)
     body.march(state, command, TICK, TICK)  # refuses now what it would refuse later
     return Simulation(
         scenario=scenario,
@@ -206,13 +201,13 @@ def begin(scenario: Scenario) -> Simulation:
 class Changes(TypedDict, total=False):
     """What can be changed; `model` and `joints` may be names, no `path` is None, and no `depth` of one."""
 
-    robot: Robot
-    gait: Gait
-    environment: Water
+    robot: lc.Robot
+    gait: lc.Gait
+    environment: lc.Water
     current: Current
     model: Model | str
-    joints: JointLaw | str
-    path: Path[Any] | None
+    joints: lc.JointLaw | str
+    path: control.Path[Any] | None
     depth: float | None
 
 
@@ -229,16 +224,16 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     gait, motion, model = changes.get("gait", scenario.gait), scenario.motion, scenario.model
     path, depth = changes.get("path", path_of(scenario)), changes.get("depth", depth_of(scenario))
     if path is None:
-        motion = gait if "path" in changes or isinstance(motion, Gait) else replace(cast("Any", motion), gait=gait)
-    elif isinstance(motion, PathFollowing) and depth == depth_of(scenario):
+        motion = gait if "path" in changes or isinstance(motion, lc.Gait) else replace(cast("Any", motion), gait=gait)
+    elif isinstance(motion, lc.PathFollowing) and depth == depth_of(scenario):
         motion = replace(motion, gait=gait, path=path)
     else:
-        steering = Following(path_depth=None if depth is None else (depth,)).controller(gait)
+        steering = lc.Following(path_depth=None if depth is None else (depth,)).controller(gait)
         motion = replace(steering, path=path)
     if "model" in changes or "joints" in changes:
         model = model_of(changes.get("model", model), joints=changes.get("joints", model.joints))
     robot, water = changes.get("robot", scenario.robot), changes.get("environment", scenario.environment)
-    assert isinstance(water, Water)
+    assert isinstance(water, lc.Water)
     current = changes.get("current", water.current)
     if replace(water, current=STILL) == default_water(scenario.robot, scenario.gait):
         water = default_water(robot, gait)
@@ -253,15 +248,15 @@ def checked(scenario: Scenario) -> Scenario:
         ValueError: If it swims in no water, is steered by something else than path following, or its joints have no
             room for the steering.
     """
-    instance("environment", scenario.environment, Water)
-    instance("motion", scenario.motion, Gait, PathFollowing)
+    instance("environment", scenario.environment, lc.Water)
+    instance("motion", scenario.motion, lc.Gait, lc.PathFollowing)
     scenario.controller.check(scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot)
     return scenario
 
 
-def path_of(scenario: Scenario) -> Path[Any] | None:
+def path_of(scenario: Scenario) -> control.Path[Any] | None:
     """The path that is followed, in plan, or None."""
-    return scenario.motion.path if isinstance(scenario.motion, PathFollowing) else None
+    return scenario.motion.path if isinstance(scenario.motion, lc.PathFollowing) else None
 
 
 def route_of(scenario: Scenario, height: float) -> np.ndarray:
@@ -274,7 +269,7 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
     ]  # a straight line has none; in pieces, or the page shows too little of it
     along = np.arange(0.0, end, 0.05) if end else np.arange(-WIDE, WIDE, 2.0)
     profile = np.array([(0.0, height)])
-    if isinstance(scenario.motion, SpatialPathFollowing):
+    if isinstance(scenario.motion, lc.SpatialPathFollowing):
         profile = scenario.motion.profile.points(np.linspace(-WIDE, WIDE + 2.0 * end, 4000))
     heights = np.interp(along, profile[:, 0], profile[:, 1])
     return np.column_stack((path.points(along), heights))
@@ -282,17 +277,17 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
 
 def depth_of(scenario: Scenario) -> float | None:
     """The depth that is held along it, or None [m]."""
-    profile = scenario.motion.profile if isinstance(scenario.motion, SpatialPathFollowing) else None
-    return -profile.point[1] if isinstance(profile, StraightLine) else None
+    profile = scenario.motion.profile if isinstance(scenario.motion, lc.SpatialPathFollowing) else None
+    return -profile.point[1] if isinstance(profile, lc.StraightLine) else None
 
 
 def measured(scenario: Scenario) -> MeasuredTrial | None:
     """The paper's trial of this scenario, if it is one."""
-    gait = scenario.motion if isinstance(scenario.motion, Gait) else None
+    gait = scenario.motion if isinstance(scenario.motion, lc.Gait) else None
     return measured_setting(scenario.robot, gait, scenario.environment)
 
 
-def with_fin(robot: Robot, has_fin: bool, rigidity: float | None) -> Robot:
+def with_fin(robot: lc.Robot, has_fin: bool, rigidity: float | None) -> lc.Robot:
     """The robot with or without a fin: its own, or Mamba's if it has none.
 
     Args:
@@ -305,7 +300,7 @@ def with_fin(robot: Robot, has_fin: bool, rigidity: float | None) -> Robot:
     """
     if not has_fin:
         return robot if robot.caudal_fin is None else replace(robot, caudal_fin=None)
-    fin = robot.caudal_fin or load_robot("mamba-fin").caudal_fin
+    fin = robot.caudal_fin or lc.load_robot("mamba-fin").caudal_fin
     assert fin is not None
     hinges = 0 if rigidity is None else N_HINGES
     return replace(robot, caudal_fin=replace(fin, n_hinges=hinges, flexural_rigidity=rigidity))

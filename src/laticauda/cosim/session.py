@@ -6,15 +6,12 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda.codec import BadKey, check_keys, encode
+from laticauda import codec, packaging, scenarios, series
 from laticauda.cosim import messages
 from laticauda.cosim.messages import Message
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
-from laticauda.packaging import __version__
 from laticauda.robot import Current, Robot, Water
-from laticauda.scenarios import settings_of
-from laticauda.series import SERIES
 
 LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
 
@@ -50,7 +47,7 @@ class Session:
             if "id" in message:
                 tag["id"] = message["id"]
             return messages.write_message({**tag, **self._answer(message)})
-        except BadKey as bad:
+        except codec.BadKey as bad:
             return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
         except (ValueError, LaticaudaError) as error:
             return messages.write_message({**tag, "error": str(error)})
@@ -65,7 +62,7 @@ class Session:
                 "protocol", f"must be {messages.PROTOCOL_VERSION}, which this server speaks, got {asked!r}"
             )
         request, fields = self._requests[one_of("do", message.get("do"), tuple(self._requests))]
-        check_keys(message, ("do", "id", "protocol", *fields))
+        codec.check_keys(message, ("do", "id", "protocol", *fields))
         return request(message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
@@ -94,7 +91,7 @@ class Session:
     def _run(self, message: Message) -> dict[str, Any]:
         names = _names(message.get("series", []))
         for name in names:
-            one_of("series", name, tuple(SERIES))
+            one_of("series", name, tuple(series.SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
         trial = whole_run(messages.read_scenario(message, self._own_robots, duration))
         found: dict[str, Any] = {"figures": trial.summary()}
@@ -122,7 +119,7 @@ def _seen(world: World) -> dict[str, Any]:
 
 def _command(world: World) -> dict[str, Any]:
     water = world.plant.environment
-    current = {"current": encode(water.current, Current)} if isinstance(water, Water) else {}
+    current = {"current": codec.encode(water.current, Current)} if isinstance(water, Water) else {}
     return {**dataclasses.asdict(world.command), **current}
 
 
@@ -130,10 +127,10 @@ def _about(world: World) -> dict[str, Any]:
     robot = world.plant.robot
     return {
         "protocol": messages.PROTOCOL_VERSION,
-        "version": __version__,
+        "version": packaging.__version__,
         "robot": robot.name,
         "n_links": robot.n_links,
         "n_joints": robot.n_joints,
         "link_length": [2.0 * module.half_length for module in robot.modules],
-        "settings": settings_of(world.plant.settings),
+        "settings": scenarios.settings_of(world.plant.settings),
     }

@@ -10,14 +10,11 @@ from typing import Any, cast
 
 import numpy as np
 
+import laticauda as lc
 from laticauda.cosim.messages import Message, commanded
-from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, one_of, positive, within
-from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.scenarios import Scenario
 from laticauda.series import Log
 from laticauda.simulate import plant, swim
-from laticauda.trial import Trial
 
 MOST_SAMPLES = 100_000  # of one request, and of a log: about 50 MB for nine links
 MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
@@ -31,9 +28,9 @@ Series = dict[str, np.ndarray]
 class World:
     """Where a client's robot is, and what it was told."""
 
-    scenario: Scenario
+    scenario: lc.Scenario
     """What swims, where, by which model, and as its motion the command that is held."""
-    plant: Plant[Any]
+    plant: lc.Plant[Any]
     """The same as something that can be stepped."""
     state: Any
     """The plant's."""
@@ -43,9 +40,9 @@ class World:
     """Why it can go no further."""
 
     @property
-    def command(self) -> Command:
+    def command(self) -> lc.Command:
         """What is held."""
-        return cast(OpenLoop, self.scenario.motion).command
+        return cast(lc.OpenLoop, self.scenario.motion).command
 
 
 class History:
@@ -90,7 +87,7 @@ class History:
         return found
 
 
-def new_world(scenario: Scenario) -> World:
+def new_world(scenario: lc.Scenario) -> World:
     """A world at time 0.
 
     Args:
@@ -101,7 +98,7 @@ def new_world(scenario: Scenario) -> World:
     """
     body = plant(scenario)
     world = World(scenario=scenario, plant=body, state=None, log=History())
-    world = replace(world, state=body.init(cast(Start, scenario.start), world.command))
+    world = replace(world, state=body.init(cast(lc.Start, scenario.start), world.command))
     world.log.add(_try(world).at(slice(1)))
     return world
 
@@ -149,7 +146,7 @@ def stepped(world: World, duration: float) -> World:
     return replace(world, state=state)
 
 
-def whole_run(scenario: Scenario) -> Trial:
+def whole_run(scenario: lc.Scenario) -> lc.Trial:
     """A run from start to end under one command, in a world of its own.
 
     Args:
@@ -163,7 +160,7 @@ def whole_run(scenario: Scenario) -> Trial:
     return swim(scenario)
 
 
-def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> None:
+def check_work(plant: lc.Plant[Any], duration: float, sample_interval: float) -> None:
     """Refuse what would keep a core busy for minutes, or fill the memory.
 
     Args:

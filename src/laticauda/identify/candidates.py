@@ -12,15 +12,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+import laticauda as lc
 from laticauda.errors import instance, one_of, positive
-from laticauda.gaits import Gait
+from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, Measurement, Tow
-from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem, other_measurements, with_starts
-from laticauda.identify.tables import setting_of
-from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot, Water
-from laticauda.scenarios import Scenario
 from laticauda.simulate.runner import Progress
 
 SENSORS: Mapping[str, tuple[str, str, float]] = {
@@ -34,7 +31,7 @@ SENSORS: Mapping[str, tuple[str, str, float]] = {
 """By word: whether it gives a figure or a series, which one, and the standard deviation of its noise."""
 FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
 """Noise of the loads of a tow: of a force [N], as a share of it [-], and of the angle [rad]."""
-STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
+STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 """No motion of the joints."""
 INTERVAL = 0.5
 """Between samples of a series that count [s]."""
@@ -54,7 +51,7 @@ class Candidate:
 
 def swims(
     robot: Robot,
-    gaits: Sequence[Gait],
+    gaits: Sequence[lc.Gait],
     environment: Environment,
     sensors: Mapping[str, float],
     *,
@@ -73,7 +70,7 @@ def swims(
     """
     found: list[Candidate] = []
     for gait in gaits:
-        scenario = Scenario(robot=robot, motion=gait, environment=environment, duration=duration)
+        scenario = lc.Scenario(robot=robot, motion=gait, environment=environment, duration=duration)
         found.append(_candidate("swim", f"swim, {_words(robot, gait)}", scenario, sensors, interval))
     return found
 
@@ -90,8 +87,8 @@ def coast_down(
         sigma: Standard deviation of the noise of the path [m].
         duration: [s].
     """
-    start = Start(velocity=positive("speed", speed, "m/s"))
-    scenario = Scenario(robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration)
+    start = lc.Start(velocity=positive("speed", speed, "m/s"))
+    scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration)
     return _candidate("coast-down", f"coast-down from {speed:g} m/s{_fin(robot)}", scenario, {"path": sigma}, 0.1)
 
 
@@ -122,7 +119,7 @@ def from_tow(
         ValueError: If an argument is out of its range.
     """
     instance("environment", environment, Water)
-    scenario = Scenario(robot=robot, motion=STRAIGHT, environment=environment, duration=1.0)
+    scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, duration=1.0)
     seen = {one: load for one, load in tow.loads(scenario).items() if one == "drag" or tow.angle}
     ends = [replace(tow, angle=tow.angle + end).loads(scenario) for end in (-misalignment, misalignment)]
     figures: dict[str, tuple[float, float]] = {}
@@ -177,7 +174,7 @@ def rows_of(
         members = candidates[begin : begin + _AT_ONCE]
         part = with_starts(other_measurements(problem, [one.measurement for one in members]))
         every = np.concatenate([values, part.start[values.size :]])
-        predicted = predict(part, every, jacobian=True)
+        predicted = model.predict(part, every, jacobian=True)
         assert predicted.jacobian is not None
         for name, status in predicted.failures.items():
             raise ValueError(f"`candidates` must be trials that can be simulated, got `{name}`: {status}")
@@ -198,7 +195,7 @@ def rows_of(
 _AT_ONCE = 64
 
 
-def _candidate(kind: str, name: str, scenario: Scenario, sensors: Mapping[str, float], interval: float) -> Candidate:
+def _candidate(kind: str, name: str, scenario: lc.Scenario, sensors: Mapping[str, float], interval: float) -> Candidate:
     """A trial with figures and series whose numbers do not count."""
     robot, duration = scenario.robot, scenario.duration
     time = np.arange(1, round(duration / positive("interval", interval, "s")) + 1) * interval
@@ -216,8 +213,8 @@ def _candidate(kind: str, name: str, scenario: Scenario, sensors: Mapping[str, f
     return Candidate(name=name, kind=kind, measurement=Measurement(name=name, scenario=scenario, **measured))
 
 
-def _words(robot: Robot, gait: Gait) -> str:
-    return f"{gait.kind.replace('_', '-')} {setting_of(gait)} deg{_fin(robot)}"
+def _words(robot: Robot, gait: lc.Gait) -> str:
+    return f"{gait.kind.replace('_', '-')} {tables.setting_of(gait)} deg{_fin(robot)}"
 
 
 def _fin(robot: Robot) -> str:

@@ -18,11 +18,9 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of, whole
+from laticauda.identify import identifiability, model, result
 from laticauda.identify.candidates import Candidate, rows_of
-from laticauda.identify.identifiability import LIMIT, combination_of, deviations, marginal
-from laticauda.identify.model import scaled_jacobian
 from laticauda.identify.problem import Problem
-from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.simulate.runner import Progress
 
@@ -165,7 +163,7 @@ def information_of(
 ) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
     """What each candidate would say, as information to the coordinates of the unknowns; arguments as of `rows_of`."""
     found = [rows for _, rows in rows_of(problem, candidates, values, progress)]
-    return np.array([marginal(rows.T @ rows, range(values.size)) for rows in found])
+    return np.array([identifiability.marginal(rows.T @ rows, range(values.size)) for rows in found])
 
 
 def _swimming_alone(
@@ -218,14 +216,14 @@ def best_of(
     return ordered
 
 
-def known_from(found: Fit) -> Matrix:
+def known_from(found: result.Fit) -> Matrix:
     """What a fit says about its unknowns, priors included, as information to the coordinates.
 
     Args:
         found: The fit.
     """
     factor = found.used_noise_factor if np.isfinite(found.used_noise_factor) else 1.0
-    rows = scaled_jacobian(found.problem, found.best, factor)
+    rows = model.scaled_jacobian(found.problem, found.best, factor)
     return rows.T @ rows + prior_information(found.problem, found.best)
 
 
@@ -248,7 +246,7 @@ def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
     """
     eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
     strength = np.where(eigenvalues > 1e-13 * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
-    return deviations(strength, vectors)
+    return identifiability.deviations(strength, vectors)
 
 
 def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
@@ -273,14 +271,14 @@ def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence
         candidate=candidate,
         sigma=sigma_of(total + added),
         gain=float(np.exp(min(volume(total + added) - volume(total), 700.0))),
-        combination=combination_of(root @ news, unknowns),
+        combination=identifiability.combination_of(root @ news, unknowns),
     )
 
 
 def _reason(names: Sequence[str], before: np.ndarray, step: Step) -> str:
     """What becomes known by a trial, in words."""
     after = step.sigma
-    newly = [k for k in range(len(names)) if before[k] >= LIMIT > after[k]]
+    newly = [k for k in range(len(names)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
         words = [f"`{names[k]}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
         return f"makes identifiable {_listed(words)}"

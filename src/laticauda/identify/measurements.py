@@ -9,14 +9,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+import laticauda as lc
 from laticauda.errors import BadArgument, finite, instance, one_of, positive, whole
-from laticauda.gaits import Gait
-from laticauda.interfaces import Start
 from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import quantity, value
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import UNITS
-from laticauda.trial import Trial
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
@@ -39,7 +36,7 @@ class Tow:
     speed: float = quantity("m/s", "Through the water", gt=0.0)
     angle: float = quantity("rad", "From the direction of the tow to the heading", default=0.0)
 
-    def loads(self, scenario: Scenario) -> dict[str, float]:
+    def loads(self, scenario: lc.Scenario) -> dict[str, float]:
         """The loads of the water.
 
         Args:
@@ -62,7 +59,7 @@ class Measurement:
 
     name: str
     """What tables and messages call it; no two of a fit alike."""
-    scenario: Scenario
+    scenario: lc.Scenario
     """What swam, how and where: robot, gait, water, start and duration; what is not identified stays as it is there."""
     group: str = ""
     """Which measurements it belongs with, to be left out together; "": those of its gait, with or without fin."""
@@ -83,9 +80,9 @@ class Measurement:
         """Check every field once, and freeze what it holds."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise BadArgument("name", f"must be a text that is not empty, got {self.name!r}")
-        instance("scenario", self.scenario, Scenario)
-        instance("scenario.motion", self.scenario.motion, Gait)
-        instance("scenario.start", self.scenario.start, Start)
+        instance("scenario", self.scenario, lc.Scenario)
+        instance("scenario.motion", self.scenario.motion, lc.Gait)
+        instance("scenario.start", self.scenario.start, lc.Start)
         checked: dict[str, Any] = {
             "group": self.group or _usual_group(self.scenario),
             "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),
@@ -154,7 +151,7 @@ class Measurement:
     def coasts(self) -> bool:
         """Whether the straight robot was let go with a speed."""
         start = self.scenario.start
-        return self.scenario.gait.amplitude == 0.0 and isinstance(start, Start) and start.velocity != 0.0
+        return self.scenario.gait.amplitude == 0.0 and isinstance(start, lc.Start) and start.velocity != 0.0
 
     def without_bias(self, figure: str) -> float:
         """A figure less what selection adds to it on average; power is not what a setting was selected for.
@@ -167,13 +164,13 @@ class Measurement:
         return value - bias * sigma
 
 
-def _usual_group(scenario: Scenario) -> str:
+def _usual_group(scenario: lc.Scenario) -> str:
     """Gait, with or without fin."""
     return f"{scenario.gait.words}, {'without' if scenario.robot.caudal_fin is None else 'with'} fin"
 
 
 def from_trial(
-    trial: Trial,
+    trial: lc.Trial,
     *,
     name: str,
     figures: Mapping[str, float] | None = None,
@@ -199,7 +196,7 @@ def from_trial(
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.
     """
-    instance("trial", trial, Trial)
+    instance("trial", trial, lc.Trial)
     if trial.gait is None:
         raise BadArgument("trial", "must have a gait to be identified from, got one without")
     step = whole("every", every, 1)
@@ -217,11 +214,11 @@ def from_trial(
     speed = float(np.linalg.norm(trial.center_of_mass_velocity[0])) if trial.gait.amplitude == 0.0 else 0.0
     return Measurement(
         name=name,
-        scenario=Scenario(
+        scenario=lc.Scenario(
             robot=trial.robot,
             motion=trial.gait,
             environment=trial.environment,
-            start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0]), velocity=speed),
+            start=lc.Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0]), velocity=speed),
             duration=trial.duration,
         ),
         group=group,

@@ -12,18 +12,15 @@ from typing import cast
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify import resolution, unknowns
 from laticauda.identify.measurements import Measurement, measured_values
 from laticauda.identify.measurements import Run as Raw
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
-from laticauda.identify.resolution import with_tied
-from laticauda.identify.unknowns import NUISANCE, SIMULATED
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate.derivatives import Number, slopes
-from laticauda.simulate.many import collected, runs_of
+from laticauda.simulate import derivatives, many, threads
 from laticauda.simulate.numbers import UNITS, changed
-from laticauda.simulate.threads import swim_each
 from laticauda.trial import Trial
 
 TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
@@ -102,8 +99,8 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     for duration, places in _by_duration(scenarios, swum).items():
         members = [swum[place] for place in places]
-        runs = runs_of([scenarios[i] for i in members])
-        found = collected(
+        runs = many.runs_of([scenarios[i] for i in members])
+        found = many.collected(
             runs,
             duration,
             SAMPLE_INTERVAL,
@@ -127,7 +124,7 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
     simulated: list[tuple[int, int]] = []
     for i, k in cast("list[tuple[int, int]]", np.argwhere(problem.moves).tolist()):
         name = problem.unknowns[k].parameter.name
-        if name in NUISANCE and name not in SIMULATED:
+        if name in unknowns.NUISANCE and name not in unknowns.SIMULATED:
             nuisance = problem.nuisance(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
             jacobian[data_of[i], k] = np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
         elif problem.measurements[i].tow is not None:
@@ -137,9 +134,9 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
     for duration, places in _by_duration(scenarios, [i for i, _ in simulated]).items():
         pairs = [simulated[place] for place in places]
         members = sorted({i for i, _ in pairs})
-        run_of = dict(zip(members, runs_of([scenarios[i] for i in members]), strict=True))
+        run_of = dict(zip(members, many.runs_of([scenarios[i] for i in members]), strict=True))
         mine: list[Raw] = [{} for _ in pairs]
-        found = slopes(
+        found = derivatives.slopes(
             [run_of[i] for i, _ in pairs],
             [_number(problem, scenarios[i], i, k, values) for i, k in pairs],
             duration,
@@ -166,12 +163,12 @@ def _towed_slope(problem: Problem, scenario: Scenario, i: int, k: int, values: V
     return (high - low) / (ends[1] - ends[0])
 
 
-def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> Number:
+def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> derivatives.Number:
     """One unknown of one measurement, for `slopes`."""
     unknown, value = problem.unknowns[k], float(values[k])
     name = unknown.parameter.name
-    if name in NUISANCE:
-        return Number(
+    if name in unknowns.NUISANCE:
+        return derivatives.Number(
             name=f"{name} of {problem.measurements[i].name}",
             scenario=scenario,
             value=value,
@@ -180,11 +177,11 @@ def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values
         )
     # Where the search has come to, what is tied is in proportion already.
     change = partial(_changed, scenario, name, unknown.tied)
-    return Number(name=name, scenario=scenario, value=value, change=change)
+    return derivatives.Number(name=name, scenario=scenario, value=value, change=change)
 
 
 def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: float) -> Scenario:
-    return changed(scenario, with_tied(scenario, name, value, tied))
+    return changed(scenario, resolution.with_tied(scenario, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:
@@ -218,7 +215,7 @@ def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Cal
 def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
     """The same by the 3D twin, run by run on threads."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
-    trials = swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
+    trials = threads.swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
     for i, trial in zip(swum, trials, strict=True):
         measurement = problem.measurements[i]
         if trial.succeeded:

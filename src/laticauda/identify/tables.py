@@ -7,14 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+import laticauda as lc
 from laticauda.errors import RobotFileError, TrialFileError, one_of, positive
-from laticauda.gaits import Gait
 from laticauda.identify.measurements import Measurement
-from laticauda.robot import Robot, load_robot
 from laticauda.scenarios import scenario
-from laticauda.trial import MeasuredTrials
-from laticauda.trial.null_models import group_name
-from laticauda.trial.speeds import load_speeds
+from laticauda.trial import MeasuredTrials, null_models, speeds
 
 TABLE_SIGMA = 0.05
 """Noise of a table's numbers as a share of each value, unless one says otherwise; the paper states none [-]."""
@@ -42,7 +39,7 @@ def from_table1(
     """
     one_of("figure", figure, FIGURES)
     positive("sigma", sigma)
-    robots = cache(load_robot)
+    robots = cache(lc.load_robot)
     return tuple(
         Measurement(
             name=_name(trial.gait, trial.has_fin),
@@ -73,7 +70,7 @@ def from_table(
     positive("sigma", sigma)
     is_speed = one_of("figure", figure, FIGURES) == FIGURES[0]
     robots, seen, found = cache(_robot), Counter[str](), list[Measurement]()
-    for row in load_speeds(file):
+    for row in speeds.load_speeds(file):
         value, own = (row.v_m_s, row.v_sigma_m_s) if is_speed else (row.P_avg_W, row.P_sigma_W)
         if value is None:
             continue
@@ -99,23 +96,23 @@ def from_table(
     return tuple(found)
 
 
-def _robot(name: str, config: str | None) -> Robot:
+def _robot(name: str, config: str | None) -> lc.Robot:
     """What swam: a preset without a fin has one of its own with it."""
-    robot = load_robot(name)
+    robot = lc.load_robot(name)
     if config == "nofin":
         return replace(robot, caudal_fin=None)
     if config is None or robot.caudal_fin is not None:
         return robot
     try:
-        return load_robot(f"{name}-fin")
+        return lc.load_robot(f"{name}-fin")
     except RobotFileError:
         raise TrialFileError(f"`config` must be nofin for `{name}`, which has no caudal fin.") from None
 
 
-def _name(gait: Gait, has_fin: bool) -> str:
-    return f"{group_name(gait.kind, has_fin)}, {setting_of(gait)}"
+def _name(gait: lc.Gait, has_fin: bool) -> str:
+    return f"{null_models.group_name(gait.kind, has_fin)}, {setting_of(gait)}"
 
 
-def setting_of(gait: Gait) -> str:
+def setting_of(gait: lc.Gait) -> str:
     """Amplitude, frequency and phase shift as names of measurements have them, in degrees: 30/130/40."""
     return "/".join(f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift))

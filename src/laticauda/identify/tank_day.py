@@ -25,26 +25,18 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.actuation.speed_servo import SpeedServo
-from laticauda.codec import decode, keys_of, take_kind
+import laticauda as lc
+from laticauda import codec, files, packaging
 from laticauda.errors import RobotFileError, TrialFileError
 from laticauda.extras import optional_import
-from laticauda.files import read_rows, write
-from laticauda.fluid.laws import PolynomialDrag
 from laticauda.gaits import JointAngles, recorded_gait
-from laticauda.identify.candidates import from_tow
-from laticauda.identify.fitting import fit
-from laticauda.identify.measurements import Measurement, Tow, from_trial
-from laticauda.identify.result import Fit
+from laticauda.identify import candidates, fitting, measurements, result
 from laticauda.identify.unknowns import Unknown
-from laticauda.logs import load_trial
-from laticauda.packaging import __version__
 from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import quantity, value
 from laticauda.robot import Environment, Robot, Water, load_robot, textbook_water, to_toml
 from laticauda.robot.files import read_table
 from laticauda.simulate.runner import Progress
-from laticauda.trial import Trial
 
 FILES = Path(__file__).parent / "tank_day_files"
 DAY = "tank-day.toml"
@@ -80,9 +72,9 @@ class Day:
     """What swam."""
     noise: Noise
     """Of what was measured."""
-    trials: Mapping[str, Trial]
+    trials: Mapping[str, lc.Trial]
     """What was logged, by the name of the run."""
-    tows: tuple[Measurement, ...]
+    tows: tuple[measurements.Measurement, ...]
     """Loads that were measured."""
 
 
@@ -90,14 +82,14 @@ class Day:
 class Evaluation:
     """What a day says."""
 
-    fits: Mapping[str, Fit]
+    fits: Mapping[str, result.Fit]
     """By law, the most probable first."""
     odds: Mapping[str, float]
     """Of the most probable law against each, at most 1e304 [-]."""
     numbers: tuple[Mapping[str, Any], ...]
     """Rows of name, value, low and high end of the interval, and unit, by the best law: of the water, the drag area
     2 F / (rho v^2) of the straight robot at the speed of the day, and the joints; None for what is not identified."""
-    joints: Fit | None
+    joints: result.Fit | None
     """The speed of the joints and how stiff they are (`JOINTS`); None where no gait was asked for."""
     verdict: tuple[str, ...]
     """Sentences: which law, and what the data do not tell."""
@@ -122,7 +114,7 @@ def begin(folder: Path, robot: Robot) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
     new = [name for name in contents if not (folder / name).exists()]
     for name in new:
-        write(folder / name, contents[name])
+        files.write(folder / name, contents[name])
     return new
 
 
@@ -137,23 +129,23 @@ def load_day(folder: Path) -> Day:
         TrialFileError: If a log is.
     """
     table = read_table(folder / DAY)
-    with keys_of(folder / DAY, RobotFileError):
-        take_kind(table, "tank-day")
-        robot, noise = load_robot(folder / table.pop("robot", "robot.toml")), decode(Noise, table)
+    with codec.keys_of(folder / DAY, RobotFileError):
+        codec.take_kind(table, "tank-day")
+        robot, noise = load_robot(folder / table.pop("robot", "robot.toml")), codec.decode(Noise, table)
     names = [name for name in _RUNS if len((folder / f"{name}.csv").read_text(encoding="utf-8").splitlines()) > 1]
-    trials = {name: load_trial(folder / f"{name}.csv", folder / f"{name}.toml") for name in names}
+    trials = {name: lc.load_trial(folder / f"{name}.csv", folder / f"{name}.toml") for name in names}
     return Day(robot=robot, noise=noise, trials=trials, tows=_tows(folder / "tows.csv", robot, noise))
 
 
-def _tows(path: Path, robot: Robot, noise: Noise) -> tuple[Measurement, ...]:
-    water, found = textbook_water(robot).water, list[Measurement]()
+def _tows(path: Path, robot: Robot, noise: Noise) -> tuple[measurements.Measurement, ...]:
+    water, found = textbook_water(robot).water, list[measurements.Measurement]()
     said: Any = {"sigma": noise.force_n, "share": noise.force_share, "misalignment": math.radians(noise.angle_deg)}
-    for number, row in read_rows(path, TrialFileError)[1]:
+    for number, row in files.read_rows(path, TrialFileError)[1]:
         try:
             loads = {name: float(row[column]) for name, column in _LOADS.items() if row[column]}
             if loads:
-                tow = Tow(speed=float(row["speed_m_s"]), angle=math.radians(float(row["angle_deg"])))
-                found.append(from_tow(robot, water, tow, loads, name=f"tow, row {number}", **said))
+                tow = measurements.Tow(speed=float(row["speed_m_s"]), angle=math.radians(float(row["angle_deg"])))
+                found.append(candidates.from_tow(robot, water, tow, loads, name=f"tow, row {number}", **said))
         except KeyError as missing:
             raise TrialFileError(f"{path}: row 1: column {missing} is missing") from None
         except ValueError as error:
@@ -176,10 +168,10 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress | None 
     measured = [_of_water(name, trial, day.noise) for name, trial in day.trials.items()] + [*day.tows]
     if not measured:
         raise TrialFileError("Nothing was filled: the tank day needs swim.csv, glide.csv, turn.csv or tows.csv.")
-    fits: dict[str, Fit] = {}
+    fits: dict[str, result.Fit] = {}
     for name, (water, unknowns) in _laws(day.robot).items():
         inside = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
-        fits[name] = fit(inside, parameters=unknowns, n_starts=1, threads=threads)
+        fits[name] = fitting.fit(inside, parameters=unknowns, n_starts=1, threads=threads)
         if progress is not None:
             progress(len(fits) / 4.0)
     scale = max(1.0, min(found.noise_factor for found in fits.values()))
@@ -196,12 +188,12 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress | None 
     return Evaluation(fits=fits, odds=odds, numbers=tuple(numbers), joints=joints, verdict=tuple(verdict))
 
 
-def _measured(name: str, trial: Trial, series: Mapping[str, float]) -> Measurement:
+def _measured(name: str, trial: lc.Trial, series: Mapping[str, float]) -> measurements.Measurement:
     every = max(1, round(_INTERVAL / float(np.median(np.diff(trial.time)))))
-    return from_trial(trial, name=name, series=series, every=every)
+    return measurements.from_trial(trial, name=name, series=series, every=every)
 
 
-def _of_water(name: str, trial: Trial, noise: Noise) -> Measurement:
+def _of_water(name: str, trial: lc.Trial, noise: Noise) -> measurements.Measurement:
     """Path and heading of a trial whose joints did what they were logged to do."""
     seen = _measured(name, trial, {"center_of_mass": noise.path_m, "heading": noise.heading_rad})
     signal = optional_import("The tank day", "scipy", "identify", "scipy.signal")
@@ -225,11 +217,11 @@ def _laws(robot: Robot) -> dict[str, tuple[Water, list[Unknown]]]:
     return {
         "kirchhoff": (book.water, [*shared, beta]),
         "relative": (still, [*shared, beta]),
-        "linear": (replace(still, drag=PolynomialDrag()), [*shared, slow]),
+        "linear": (replace(still, drag=lc.PolynomialDrag()), [*shared, slow]),
     }
 
 
-def _log_evidence(found: Fit, scale: float) -> float:
+def _log_evidence(found: result.Fit, scale: float) -> float:
     """Logarithm of the probability of the data, but for a constant that is the same for all laws."""
     problem = found.problem
     squares = found.chi2 + float(np.sum(problem.prior_residuals(found.best) ** 2))
@@ -238,7 +230,7 @@ def _log_evidence(found: Fit, scale: float) -> float:
     return -0.5 * squares / scale**2 + 0.5 * float(volume) - float(np.sum(np.log(priors)))
 
 
-def _drag_area(found: Fit, speed: float) -> dict[str, Any]:
+def _drag_area(found: result.Fit, speed: float) -> dict[str, Any]:
     """The drag area of the straight robot, and its interval by that of its friction."""
     scenario, friction = found.problem.scenarios_at(found.best)[0], found.table()[0]
     water: Any = scenario.environment
@@ -253,7 +245,7 @@ def _drag_area(found: Fit, speed: float) -> dict[str, Any]:
     return {"name": f"drag area at {speed:.2g} m/s", **ends, "unit": "m^2"}
 
 
-def _joint_speed(day: Day, water: Environment, threads: int | None) -> Fit | None:
+def _joint_speed(day: Day, water: Environment, threads: int | None) -> result.Fit | None:
     """The speed limit of the joints, by what they did of the gaits that were asked for, in the water that was found."""
     series = {"joint_angle": day.noise.joint_angle_rad}
     asked = {name: trial for name, trial in day.trials.items() if trial.gait is not None and trial.gait.amplitude}
@@ -261,10 +253,10 @@ def _joint_speed(day: Day, water: Environment, threads: int | None) -> Fit | Non
     measured = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
     if not measured:
         return None
-    return fit(measured, parameters=JOINTS, joints=SpeedServo(), n_starts=1, threads=threads)
+    return fitting.fit(measured, parameters=JOINTS, joints=lc.SpeedServo(), n_starts=1, threads=threads)
 
 
-def _verdict(day: Day, best: Fit, odds: Mapping[str, float], joints: Fit | None) -> list[str]:
+def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: result.Fit | None) -> list[str]:
     """Sentences: which law, and what the data do not tell."""
     name, *others = odds
     found = [f"The law is `{name}`, the most probable of {len(odds)}."]
@@ -314,12 +306,12 @@ def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
     for name, trial in day.trials.items():
         trial.save(place / f"{name}.nc")
     for name in (DAY, "robot.toml", "tows.csv"):
-        write(place / name, (folder / name).read_bytes())
+        files.write(place / name, (folder / name).read_bytes())
     kept = best.parameters("tank-day", f"{day.robot.name}, tank day")
     law = None if found.joints is None else found.joints.problem.scenarios_at(found.joints.best)[0].model.joints
     (kept if law is None else replace(kept, joints=law)).save(place / "parameters.toml")
-    write(place / "summary.md", words(found) + "\n")
-    write(place / "summary.json", json.dumps(facts(found), indent=2, allow_nan=False) + "\n")
+    files.write(place / "summary.md", words(found) + "\n")
+    files.write(place / "summary.json", json.dumps(facts(found), indent=2, allow_nan=False) + "\n")
     return sorted(one.name for one in place.iterdir())
 
 
@@ -334,4 +326,4 @@ def facts(found: Evaluation) -> dict[str, Any]:
         | {"parameters": [row for k, row in enumerate(one.table()) if k in one.problem.of_interest]}
         for name, one in found.fits.items()
     }
-    return {"laws": laws, "numbers": [*found.numbers], "verdict": [*found.verdict], "version": __version__}
+    return {"laws": laws, "numbers": [*found.numbers], "verdict": [*found.verdict], "version": packaging.__version__}

@@ -41,6 +41,7 @@ from typing import Any
 
 import numpy as np
 
+import laticauda as lc
 from laticauda.codec import (
     BadKey,
     arguments_of,
@@ -58,15 +59,12 @@ from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.result import Fit
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
-from laticauda.logs import load_trial
 from laticauda.quantities import one_among, option, quantity, value
-from laticauda.robot import Parameters, Robot, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
 from laticauda.scenarios import preset_water
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.runner import Progress
-from laticauda.trial import Trial
 
 KIND = "identification"
 _METHOD = ("model", "joints", "noise", "loss", "n_starts", "seed", "confidence")
@@ -135,7 +133,7 @@ class TrialFile:
             TrialFileError: If it cannot be read.
             ValueError: If it has no gait, or lacks what is to count.
         """
-        trial = load_trial(self.file, self.columns)
+        trial = lc.load_trial(self.file, self.columns)
         _check_there(self.label, trial, [*self.figures, *self.counted_series])
         step = float(np.median(np.diff(trial.time))) if trial.time.size > 1 else self.interval
         try:
@@ -189,9 +187,9 @@ class Task:
     """With robot and water, all that is fixed applied."""
     unknowns: tuple[Unknown, ...]
     """What is looked for."""
-    robot: Robot | None = None
+    robot: lc.Robot | None = None
     """What has to have swum; None: whatever the trials say."""
-    base: Parameters | None = None
+    base: lc.Parameters | None = None
     """What is fixed."""
     options: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Arguments of `fit`."""
@@ -203,7 +201,7 @@ class Task:
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
         return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
 
-    def with_law(self, law: Parameters) -> "Task":
+    def with_law(self, law: lc.Parameters) -> "Task":
         """The same with the water, the joints and all else of a parameter file, as far as the task does not say them.
 
         Args:
@@ -219,7 +217,7 @@ class Task:
             options={**joints, **self.options},
         )
 
-    def parameters(self, found: Fit) -> Parameters:
+    def parameters(self, found: Fit) -> lc.Parameters:
         """What was identified and what was fixed, as one parameter file.
 
         Args:
@@ -234,7 +232,7 @@ class Task:
 
 def compare_laws(
     measurements: Sequence[Measurement],
-    laws: Sequence[str | Path | Parameters],
+    laws: Sequence[str | Path | lc.Parameters],
     *,
     parameters: Sequence[str | Unknown],
     **how: Any,
@@ -259,7 +257,7 @@ def compare_laws(
     """
     every = as_unknowns(parameters)
     task = Task(name="laws", title="laws", measurements=tuple(measurements), unknowns=every, options=how)
-    bases = [law if isinstance(law, Parameters) else load_parameters(law) for law in laws]
+    bases = [law if isinstance(law, lc.Parameters) else lc.load_parameters(law) for law in laws]
     return {base.name: task.with_law(base).run() for base in bases}
 
 
@@ -308,7 +306,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    robot = None if said.robot is None else load_robot(said.robot, said.links)
+    robot = None if said.robot is None else lc.load_robot(said.robot, said.links)
     trials = [one.beside(folder) for one in said.trials]
     measured = [fixed(trial.measurement(), None, base) for trial in trials]
     rows, files = _tables(said, folder)
@@ -325,7 +323,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     )
 
 
-def fixed(measurement: Measurement, links: int | None, base: Parameters | None) -> Measurement:
+def fixed(measurement: Measurement, links: int | None, base: lc.Parameters | None) -> Measurement:
     """A measurement with what is fixed about robot and water.
 
     Args:
@@ -342,9 +340,9 @@ def fixed(measurement: Measurement, links: int | None, base: Parameters | None) 
     return replace(measurement, scenario=scenario)
 
 
-def _base(said: _TaskFile) -> Parameters | None:
+def _base(said: _TaskFile) -> lc.Parameters | None:
     """What is fixed: a parameter file, its tables here, or both."""
-    base = None if said.base is None else load_parameters(said.base)
+    base = None if said.base is None else lc.load_parameters(said.base)
     if said.fixed is None:
         return base
     check_keys(said.fixed, ("water", *NAMES), "fixed")
@@ -352,7 +350,7 @@ def _base(said: _TaskFile) -> Parameters | None:
     water = updated(usual, said.fixed.get("water", {}), "fixed.water")
     changes = read_adjustments({key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed")
     if base is None:
-        return Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
+        return lc.Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
     return replace(base, every_gait=water, changes=merged(dict(base.changes), changes))
 
 
@@ -370,7 +368,7 @@ def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path
     return rows, files
 
 
-def _check_there(name: str, trial: Trial, wanted: list[str]) -> None:
+def _check_there(name: str, trial: lc.Trial, wanted: list[str]) -> None:
     for what in wanted:
         one_of(f"measured` of `{name}", what, (*UNITS, *SERIES))
         if what in trial.not_measured:

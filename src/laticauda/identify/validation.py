@@ -9,11 +9,7 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import GAIT_WORDS
-from laticauda.identify.fitting import INTERRUPTED, refitted
-from laticauda.identify.model import predict, scaled_jacobian
-from laticauda.identify.result import Fit
-from laticauda.identify.tasks import Task
-from laticauda.identify.uncertainty import Profile, profile
+from laticauda.identify import fitting, model, result, tasks, uncertainty
 from laticauda.simulate.runner import Progress
 from laticauda.trial.null_models import NullModel, Row, compared
 
@@ -26,7 +22,7 @@ class LeftOut:
 
     by: str
     """What was left out together: one `measurement` at a time, or one `group`."""
-    fit: Fit
+    fit: result.Fit
     """The fit to all."""
     predictions: Float[np.ndarray, " n_data"]
     """As `Fit.predictions`; nan where the others do not say what the prediction needs."""
@@ -42,7 +38,7 @@ class LeftOut:
         return self.fit.percentage_error(figure, self.predictions)
 
 
-def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None = None) -> LeftOut:
+def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress | None = None) -> LeftOut:
     """Refit without each measurement, or without each group, and predict what was left out.
 
     Where it began is what the fit to all says: nothing else can.
@@ -66,23 +62,23 @@ def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None 
         out = [i for i, other in enumerate(names) if other == name]
         rest = problem.part([i for i in range(len(names)) if i not in out])
         began = problem.moves[out].any(axis=0) & ~np.isin(np.arange(len(problem.unknowns)), problem.of_interest)
-        refit = refitted(found, rest)
+        refit = fitting.refitted(found, rest)
         values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
         if not _lacks(found, out, rest.moves | began):
-            predictions[np.isin(problem.owner, out)] = predict(problem.part(out), values[-1]).values
+            predictions[np.isin(problem.owner, out)] = model.predict(problem.part(out), values[-1]).values
         if progress is not None:
             progress((number + 1) / len(different))
     return LeftOut(by=by, fit=found, predictions=predictions, values=np.array(values))
 
 
-def _lacks(found: Fit, out: Sequence[int], moves: np.ndarray) -> bool:
+def _lacks(found: result.Fit, out: Sequence[int], moves: np.ndarray) -> bool:
     """Whether what was left out depends on an unknown of which nothing else says anything."""
     problem = found.problem
     without_prior = np.array([unknown.prior is None for unknown in problem.unknowns])
     return bool(np.any(problem.moves[list(out)].any(axis=0) & ~moves.any(axis=0) & without_prior))
 
 
-def linear_leave_one_out(found: Fit) -> Float[np.ndarray, " n_data"]:
+def linear_leave_one_out(found: result.Fit) -> Float[np.ndarray, " n_data"]:
     """Predictions of every single number by the others, as the linearized model has them, without any refit.
 
     With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, a residual r of a number that takes part in the fit is
@@ -92,12 +88,12 @@ def linear_leave_one_out(found: Fit) -> Float[np.ndarray, " n_data"]:
         found: The fit.
     """
     problem = found.problem
-    basis, strength, _ = np.linalg.svd(scaled_jacobian(problem, found.best), full_matrices=False)
+    basis, strength, _ = np.linalg.svd(model.scaled_jacobian(problem, found.best), full_matrices=False)
     leverage = np.sum(basis[:, strength > 1e-7 * strength[0]] ** 2, axis=1)
     return problem.observed + (found.predictions - problem.observed) / (1.0 - leverage)
 
 
-def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
+def compared_with_null_models(found: result.Fit) -> tuple[NullModel, ...]:
     """Null models fitted to the same speeds; none for gaits that they do not know, or without speeds.
 
     Args:
@@ -118,9 +114,9 @@ def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
 class Validation:
     """A fit, and how it does on what it was not fitted to."""
 
-    task: Task
+    task: tasks.Task
     """What was asked for."""
-    found: Fit
+    found: result.Fit
     """What was found."""
     left_out: Float[np.ndarray, " n_data"]
     """Every number as the others predict it."""
@@ -130,7 +126,7 @@ class Validation:
     """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
     null_models: tuple[NullModel, ...]
     """Models without physics on the same speeds."""
-    profiles: tuple[Profile, ...]
+    profiles: tuple[uncertainty.Profile, ...]
     """Intervals from the likelihood itself, if asked for."""
 
     def error(self, predictions: Float[np.ndarray, " n_data"] | None) -> float | None:
@@ -143,8 +139,8 @@ class Validation:
 
 
 def validate(
-    task: Task,
-    found: Fit,
+    task: tasks.Task,
+    found: result.Fit,
     *,
     exact: bool = False,
     by_group: bool = True,
@@ -165,8 +161,8 @@ def validate(
     def part(what: str) -> Callable[[float], None]:
         return lambda share: None if progress is None else progress(what, share)
 
-    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, list[Profile]()
-    is_whole = INTERRUPTED not in found.warnings
+    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, list[uncertainty.Profile]()
+    is_whole = fitting.INTERRUPTED not in found.warnings
     shown = found.problem.of_interest if profiles and is_whole else []
     try:
         if exact and is_whole and _suffices(found, [m.name for m in found.problem.measurements]):
@@ -175,10 +171,10 @@ def validate(
         if by_group and is_whole and _suffices(found, found.problem.groups):
             groups = leave_out(found, "group", progress=part("groups left out"))
         for done, k in enumerate(shown):
-            kept.append(profile(found, found.estimates[k].name))
+            kept.append(uncertainty.profile(found, found.estimates[k].name))
             part("profiles")((done + 1) / len(shown))
     except KeyboardInterrupt:
-        found, kept = replace(found, warnings=(INTERRUPTED, *found.warnings)), []
+        found, kept = replace(found, warnings=(fitting.INTERRUPTED, *found.warnings)), []
     return Validation(
         task=task,
         found=found,
@@ -190,7 +186,7 @@ def validate(
     )
 
 
-def _suffices(found: Fit, names: Sequence[str]) -> bool:
+def _suffices(found: result.Fit, names: Sequence[str]) -> bool:
     """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
     problem = found.problem
     n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.method.noise == "estimated")

@@ -30,10 +30,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from laticauda.codec import BadKey, Table, check_keys, decode, keys_of, take_kind
+from laticauda import codec, files, gaits
 from laticauda.errors import BadArgument, TrialFileError, finite, one_of, shown
-from laticauda.files import read_toml
-from laticauda.gaits import Gait
 from laticauda.quantities import Check, option, quantity, value
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import scenario_files
@@ -46,7 +44,7 @@ TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
 UNITS = {"joint_angle": ANGLES, "joint_angle_ref": ANGLES, "joint_rate": RATES, "joint_torque": TORQUES}
 """Units of the columns of joints by section; the first is the default."""
 AXES = ("X", "Y", "Z")
-STRAIGHT = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+STRAIGHT = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
 LengthUnit: TypeAlias = Literal["m", "cm", "mm"] | None
 AngleUnit: TypeAlias = Literal["rad", "deg"] | None
@@ -241,7 +239,7 @@ class ColumnMap:
 
     robot: Robot = option("What swam")
     environment: Environment = option("What it was in")
-    gait: Gait | None = option("What the joints were asked for; None where it is not known", default=None)
+    gait: gaits.Gait | None = option("What the joints were asked for; None where it is not known", default=None)
     start: float | None = quantity(
         "s", "Where the trial begins in the file's time; it is 0 in the trial's", default=None
     )
@@ -303,16 +301,16 @@ def load_column_map(path: str | Path) -> ColumnMap:
             rule and the value.
     """
     path = Path(path)
-    with keys_of(path, TrialFileError):
-        return _column_map(read_toml(path, TrialFileError), path.parent)
+    with codec.keys_of(path, TrialFileError):
+        return _column_map(files.read_toml(path, TrialFileError), path.parent)
 
 
-def _column_map(table: Table, folder: Path) -> ColumnMap:
-    take_kind(table, "columns")
+def _column_map(table: codec.Table, folder: Path) -> ColumnMap:
+    codec.take_kind(table, "columns")
     if "robot" not in table:
-        raise BadKey("robot", "is missing; every column map needs it")
+        raise codec.BadKey("robot", "is missing; every column map needs it")
     known = [one.name for one in fields(ColumnMap) if one.name != "environment"]
-    check_keys(table, [*known, *scenario_files.NAMES])
-    gait = decode(Gait, table.pop("gait"), "gait") if "gait" in table else None
+    codec.check_keys(table, [*known, *scenario_files.NAMES])
+    gait = codec.decode(gaits.Gait, table.pop("gait"), "gait") if "gait" in table else None
     chosen = scenario_files.take_chosen(table, gait or STRAIGHT, folder)
-    return decode(ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait})
+    return codec.decode(ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait})

@@ -4,17 +4,13 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
+from laticauda import files, trial
 from laticauda.errors import TrialFileError
-from laticauda.files import read_bytes
-from laticauda.logs.array_files import mat_columns
-from laticauda.logs.column_maps import ColumnMap, load_column_map
-from laticauda.logs.measuring import measured_trial
+from laticauda.logs import array_files, column_maps, measuring, tabular
 from laticauda.logs.tables import Table, csv_table, qtm_table, read_c3d
-from laticauda.logs.tabular import parquet_columns
-from laticauda.trial import Format, Trial
 
 
-def load_trial(path: str | Path, columns: str | Path | ColumnMap | None = None) -> Trial:
+def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | None = None) -> trial.Trial:
     """Read a trial from a file that `Trial.save` wrote, or make one of somebody's log.
 
     A log is CSV, TSV, Parquet, .mat, C3D, or what Qualisys Track Manager exports as TSV; what the trial has of it says
@@ -35,17 +31,17 @@ def load_trial(path: str | Path, columns: str | Path | ColumnMap | None = None) 
     """
     path = Path(path)
     if columns is not None:
-        given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
+        given = columns if isinstance(columns, column_maps.ColumnMap) else column_maps.load_column_map(columns)
         with _failures_of(path):
-            return measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
-    form = Format.of(path)
+            return measuring.measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
+    form = trial.Format.of(path)
     if not form.is_whole:
         raise TrialFileError(
             f"Cannot load {path}: a {path.suffix} file does not say what swam; give a column map "
             "(`columns`, on the command line --columns)."
         )
     with _failures_of(path):
-        return Trial.from_dataset(form.read(path))
+        return trial.Trial.from_dataset(form.read(path))
 
 
 def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> Table:
@@ -65,8 +61,8 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     if ending == ".c3d":
         return read_c3d(path)
     if ending in (".parquet", ".mat"):
-        return Table(columns=parquet_columns(path) if ending == ".parquet" else mat_columns(path))
-    content = read_bytes(path)
+        return Table(columns=tabular.parquet_columns(path) if ending == ".parquet" else array_files.mat_columns(path))
+    content = files.read_bytes(path)
     try:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:

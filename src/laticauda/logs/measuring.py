@@ -9,19 +9,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda import kinematics
+from laticauda import kinematics, robot, scenarios, trial
 from laticauda.errors import BadArgument
-from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
+from laticauda.logs import column_maps, tables, tabular
 from laticauda.logs.placing import Angles, Measured, Place, joints_of, place_of
-from laticauda.logs.tables import Table
-from laticauda.logs.tabular import series
-from laticauda.robot import Robot
-from laticauda.scenarios import Experiment
 from laticauda.series import SIGNAL, log_of
-from laticauda.trial import Trial
+from laticauda.trial import dataset, metrics
 from laticauda.trial.arrays import Samples, times
-from laticauda.trial.dataset import ELECTRICAL, PLAIN, WORK
-from laticauda.trial.metrics import integral
 
 FASTEST = 5.0  # robot lengths per second; what is faster has another unit
 SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
@@ -31,7 +25,7 @@ ORDER = 3  # of the polynomials whose slopes are rates
 Columns = Float[np.ndarray, "n_samples n_columns"]
 
 
-def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
+def measured_trial(table: tables.Table, given: column_maps.ColumnMap, source: str) -> trial.Trial:
     """Make a trial of somebody's log.
 
     What was not measured is listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles
@@ -50,18 +44,18 @@ def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
     known: dict[str, Any] = {"robot": given.robot, "gait": given.gait, "environment": given.environment}
     notes = {"model": "measured", "source": source, "smoothing": given.smoothing}
     if given.center_of_mass is None and given.body is None and given.ends is None:
-        return _own_table(table, Experiment(**known, notes=notes))
+        return _own_table(table, scenarios.Experiment(**known, notes=notes))
     time, rows = _time(table, given)
     log = Measured(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
     chain = given.robot.planar()
     place = place_of(log, chain)
-    joints = {name: joints_of(log, name, chain) for name in UNITS if getattr(given, name) is not None}
+    joints = {name: joints_of(log, name, chain) for name in column_maps.UNITS if getattr(given, name) is not None}
     arrays = _arrays(log, place, joints)
     _check_plausible(arrays, chain)
-    return Trial.measured(
+    return trial.Trial.measured(
         {**arrays, "electrical_work": None if given.power is None else _electrical_work(log)},
         signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
-        scenario=Experiment(**known, notes={**notes, "filled_samples": int(np.count_nonzero(log.lost))}),
+        scenario=scenarios.Experiment(**known, notes={**notes, "filled_samples": int(np.count_nonzero(log.lost))}),
         version=version("laticauda"),
         status=_status(log),
     )
@@ -70,11 +64,11 @@ def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
 # ---- time ----------------------------------------------------------------------------------------------------------
 
 
-def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n_rows"]]:
+def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n_rows"]]:
     """Time from the start of the trial [s], and the rows of the file that belong to it."""
     n = table.n_rows
     if given.time.column is not None:
-        time, name = TIMES[given.time.unit] * table[given.time.column], given.time.column
+        time, name = column_maps.TIMES[given.time.unit] * table[given.time.column], given.time.column
     elif given.time.rate is not None or table.rate is not None:
         time, name = np.arange(n) / (given.time.rate or table.rate or 1.0), "time"
     else:
@@ -138,7 +132,7 @@ def _electrical_work(log: Measured) -> Samples:
         voltage = log.raw(given.voltage) if isinstance(given.voltage, str) else given.voltage
         power = log.raw(given.current) * voltage
     idle = log.column_map.robot.idle_power if given.idle is None else given.idle
-    return integral(log.time, log.whole(given.column or given.current or "", power) - idle)
+    return metrics.integral(log.time, log.whole(given.column or given.current or "", power) - idle)
 
 
 def rate(
@@ -203,7 +197,7 @@ def _slopes(values: Columns, width: int) -> Columns:
 # ---- checks and words ----------------------------------------------------------------------------------------------
 
 
-def _check_plausible(arrays: dict[str, Any], chain: Robot) -> None:
+def _check_plausible(arrays: dict[str, Any], chain: robot.Robot) -> None:
     """Refuse what only another unit explains."""
     speed = float(np.median(np.linalg.norm(arrays["center_of_mass_velocity"], axis=1)))
     if speed > FASTEST * chain.length:
@@ -228,15 +222,15 @@ def _status(log: Measured) -> str:
 # ---- tables that laticauda wrote -----------------------------------------------------------------------------------
 
 
-def _own_table(table: Table, known: Experiment) -> Trial:
+def _own_table(table: tables.Table, known: scenarios.Experiment) -> trial.Trial:
     """The trial whose CSV file laticauda wrote: every number as it is, with the robot and gait of the map."""
     plain = {name.split(" [")[0]: values for name, values in table.columns.items() if not isinstance(values, str)}
     if "center_of_mass_x" not in plain:
         raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")
     try:
-        arrays = {name: series(plain, name) for name in PLAIN}
-        arrays["work"] = np.stack([plain[name] for name in WORK], axis=1)
+        arrays = {name: tabular.series(plain, name) for name in dataset.PLAIN}
+        arrays["work"] = np.stack([plain[name] for name in dataset.WORK], axis=1)
     except KeyError as error:
         raise ValueError(f"The file has no column `{error.args[0]}`.") from error
-    arrays |= {name: one for name, one in plain.items() if name == ELECTRICAL or name.startswith(SIGNAL)}
-    return Trial(**vars(log_of(arrays)), scenario=known, version=version("laticauda"))
+    arrays |= {name: one for name, one in plain.items() if name == dataset.ELECTRICAL or name.startswith(SIGNAL)}
+    return trial.Trial(**vars(log_of(arrays)), scenario=known, version=version("laticauda"))

@@ -9,16 +9,14 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 
-from laticauda.lab import Tank
+from laticauda import lab, protocol
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.recording.entries import PowerReading, Tick, Timing
-from laticauda.operate.recording.recorder import Sink
+from laticauda.operate.recording import entries, recorder
 from laticauda.operate.settings import Connection
-from laticauda.protocol import BusAddress, CanMessage, EmergencyStop, ProtocolError, decode, encode
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
 MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
@@ -33,7 +31,7 @@ class Devices:
         """Everything that came in since the last call, and the raw frames of the bus; `now` in s."""
         raise NotImplementedError
 
-    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
         """Send `messages` over the bus, in this order, at `now` [s]: the frames that went out."""
         raise NotImplementedError
 
@@ -63,7 +61,7 @@ class Wired(Devices):
         )
         return inputs, frames
 
-    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
         """See `Devices.send`."""
         return self.can.send(messages)
 
@@ -87,7 +85,7 @@ def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
     """
     with ExitStack() as stack:
         port = {"port": connection.can_port} if connection.can_interface == "udp_multicast" else {}
-        address = BusAddress(interface=connection.can_interface, channel=connection.can_channel, **port)
+        address = protocol.BusAddress(interface=connection.can_interface, channel=connection.can_channel, **port)
         can = stack.enter_context(CanDriver(address, clock))
         mocap = stack.enter_context(
             MocapDriver(connection.mocap_host, connection.mocap_port, connection.mocap_body, clock)
@@ -102,10 +100,10 @@ def run_loop(
     clock: Clock,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
-    sink: Sink | None = None,
+    sink: recorder.Sink | None = None,
     show: Show | None = None,
     longest: float = float("inf"),
-) -> tuple[OperatorState, Timing | None]:
+) -> tuple[OperatorState, entries.Timing | None]:
     """Operate until it is done.
 
     Args:
@@ -123,9 +121,9 @@ def run_loop(
     Raises:
         RuntimeError: If it is not done by then, or the operator's program fails again and again.
     """
-    sink, interval = sink or Sink(), 1.0 / operator.operation.rate
+    sink, interval = sink or recorder.Sink(), 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
-    ticks: list[Tick] = []
+    ticks: list[entries.Tick] = []
     with clock.undisturbed():
         begun = origin = clock.now()
         count = 0
@@ -144,20 +142,20 @@ def run_loop(
             except Exception as failed:  # a fault of ours must not leave the robot swimming
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
-                    devices.send((EmergencyStop(reason=2),), now)
+                    devices.send((protocol.EmergencyStop(reason=2),), now)
                     raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
             sent = devices.send(outputs.messages, now)
             if any(event.kind == "start" for event in outputs.events):
                 devices.begin_run()
             if clock.is_real:
-                ticks.append(Tick(due, now, clock.now()))
+                ticks.append(entries.Tick(due, now, clock.now()))
             sink.tick(state, outputs, (*received, *sent), ticks[-1] if ticks else None)
             if show is not None:
                 show(state, outputs)
             count += 1
             if now > origin + (count + 1) * interval:  # what was missed is not made up for
                 origin, count = now, 1
-    return state, Timing(ticks=ticks, interval=interval) if clock.is_real else None
+    return state, entries.Timing(ticks=ticks, interval=interval) if clock.is_real else None
 
 
 METER_INTERVAL = 0.2  # between two queries of the meter [s]
@@ -165,10 +163,10 @@ METER_INTERVAL = 0.2  # between two queries of the meter [s]
 
 def run_stepped(
     operator: Operator,
-    tank: Tank,
+    tank: lab.Tank,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
-    sink: Sink | None = None,
+    sink: recorder.Sink | None = None,
     show: Show | None = None,
     longest: float = 600.0,
 ) -> OperatorState:
@@ -201,7 +199,7 @@ class TankTime(Clock):
 
     is_real = False
 
-    def __init__(self, tank: Tank) -> None:
+    def __init__(self, tank: lab.Tank) -> None:
         super().__init__()
         self._tank, self._now = tank, tank.time
 
@@ -228,14 +226,14 @@ class TankDevices(Devices):
         has_meter: Whether its power meter is read.
     """
 
-    def __init__(self, tank: Tank, *, has_meter: bool) -> None:
+    def __init__(self, tank: lab.Tank, *, has_meter: bool) -> None:
         self._tank, self._has_meter = tank, has_meter
         self._queried = -math.inf
 
     def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
         """See `Devices.receive`."""
-        frames = tuple(Frame(now, *wire, is_ours=False, message=decode(*wire)) for wire in self._tank.sent())
-        readings: tuple[PowerReading, ...] = ()
+        frames = tuple(Frame(now, *wire, is_ours=False, message=protocol.decode(*wire)) for wire in self._tank.sent())
+        readings: tuple[entries.PowerReading, ...] = ()
         if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
             readings, self._queried = self._readings(now), now
         inputs = Inputs(
@@ -248,18 +246,18 @@ class TankDevices(Devices):
         )
         return inputs, frames
 
-    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
         """See `Devices.send`."""
-        frames = tuple(Frame(now, *encode(message), is_ours=True, message=message) for message in messages)
+        frames = tuple(Frame(now, *protocol.encode(message), is_ours=True, message=message) for message in messages)
         for frame in frames:
             self._tank.receive(frame.identifier, frame.data, now)
         return frames
 
-    def _readings(self, now: float) -> tuple[PowerReading, ...]:
+    def _readings(self, now: float) -> tuple[entries.PowerReading, ...]:
         """What the meter shows; nothing where it says nothing, or nothing of sense."""
         try:
             lines = LineReader().feed(self._tank.answer(DISPLAYED))
             shown = decode_displayed(lines[1])
-        except (IndexError, ProtocolError):
+        except (IndexError, protocol.ProtocolError):
             return ()
-        return (PowerReading(time=now, current=shown.live),)
+        return (entries.PowerReading(time=now, current=shown.live),)

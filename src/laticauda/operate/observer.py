@@ -13,12 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from laticauda.estimation import Estimate, JointSample, KinematicEstimator, KinematicState, Mount, PoseSample
-from laticauda.operate.loop import Wired, connected
+from laticauda.operate import loop, settings
 from laticauda.operate.safety.limits import Modules, no_reports, updated
-from laticauda.operate.settings import Connection
-from laticauda.protocol import CanMessage, Heartbeat, JointState
-from laticauda.protocol.can import python_can
-from laticauda.protocol.worker import Clock, Worker, hardware
+from laticauda.protocol import CanMessage, Heartbeat, JointState, can, worker
 from laticauda.quantities import option, value
 from laticauda.robot import Robot
 
@@ -179,7 +176,7 @@ class Sight(NamedTuple):
     """Of a driven fin [rad]."""
 
 
-class Listener(Worker[None]):
+class Listener(worker.Worker[None]):
     """Where the robot is, as far as listening tells. A tank that is not there yet, or that goes away, is waited for.
 
     Args:
@@ -192,12 +189,12 @@ class Listener(Worker[None]):
         MissingExtra: If a library is not installed.
     """
 
-    def __init__(self, connection: Connection, robot: Robot, mount: Mount | None = None) -> None:
+    def __init__(self, connection: settings.Connection, robot: Robot, mount: Mount | None = None) -> None:
         super().__init__("observer")
-        python_can()
-        hardware("qtm-rt", "qtm_rt")
+        can.python_can()
+        worker.hardware("qtm-rt", "qtm_rt")
         self.robot = robot
-        self._connection, self._clock = connection, Clock()
+        self._connection, self._clock = connection, worker.Clock()
         self._observer = PassiveObserver(robot=robot, mount=mount or Mount())
         self._sight = Sight(None, WAITING)
         self._start()
@@ -217,13 +214,13 @@ class Listener(Worker[None]):
     def work(self) -> None:
         """One connection, from its begin to its end."""
         try:
-            with connected(self._connection, self._clock) as devices:
+            with loop.connected(self._connection, self._clock) as devices:
                 self._listen(devices, self._clock)
         except Exception as error:  # whatever it is, the page goes on
             self._sight = self._sight._replace(trouble=f"{error} It is tried again and again.")
             raise
 
-    def _listen(self, devices: Wired, clock: Clock) -> None:
+    def _listen(self, devices: loop.Wired, clock: worker.Clock) -> None:
         observer, state = self._observer, self._observer.init(clock.now())
         while not self._ended.wait(LOOK):
             now = clock.now()

@@ -6,22 +6,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from laticauda import lab, scenarios
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import TrialFileError
-from laticauda.lab import Tank
+from laticauda.operate import drivers, loop, settings, terminal
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
-from laticauda.operate.drivers import Clock
-from laticauda.operate.loop import Show, connected, run_loop, run_stepped
+from laticauda.operate.recording import log, to_trial
 from laticauda.operate.recording.entries import Timing
 from laticauda.operate.recording.header import Header
-from laticauda.operate.recording.log import read_operation
 from laticauda.operate.recording.recorder import OperationRecorder, PlainSink, RecordingSink
-from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of
-from laticauda.operate.settings import Operation
-from laticauda.operate.terminal import Keys
-from laticauda.scenarios import Experiment
 from laticauda.trial import Trial, following
 
 LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
@@ -90,7 +85,7 @@ def header_of(operator: Operator, text: str = "") -> Header:
     how = operator.operation
     made = {"ramp": how.ramp, "offset_bandwidth": how.offset_bandwidth, "rate": how.rate}
     return Header(
-        run=Experiment(
+        run=scenarios.Experiment(
             robot=operator.robot,
             gait=how.gait,
             environment=how.pool(),
@@ -104,12 +99,12 @@ def header_of(operator: Operator, text: str = "") -> Header:
 
 
 def operate(
-    operation: Operation,
+    operation: settings.Operation,
     folder: Path | None,
     *,
-    clock: Clock | None = None,
-    keys: Keys | None = None,
-    show: Show | None = None,
+    clock: drivers.Clock | None = None,
+    keys: terminal.Keys | None = None,
+    show: loop.Show | None = None,
     clears: bool = False,
     check_only: bool = False,
     text: str = "",
@@ -137,21 +132,21 @@ def operate(
     """
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
-    clock, keys = clock or Clock(), keys or Keys()
+    clock, keys = clock or drivers.Clock(), keys or terminal.Keys()
     path = None if folder is None else folder / f"{operation.name}.mcap"
     with ExitStack() as stack:
-        devices, sink = stack.enter_context(connected(operation.connection, clock)), None
+        devices, sink = stack.enter_context(loop.connected(operation.connection, clock)), None
         if path is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
             sink = stack.enter_context(RecordingSink(stack.enter_context(OperationRecorder(path, header))))
-        state, timing = run_loop(operator, devices, clock, keys=lambda _: keys.events, sink=sink, show=show)
+        state, timing = loop.run_loop(operator, devices, clock, keys=lambda _: keys.events, sink=sink, show=show)
     return result_of(operator, state, path, timing)
 
 
 def operate_stepped(
-    operation: Operation,
+    operation: settings.Operation,
     folder: Path,
-    tank: Tank,
+    tank: lab.Tank,
     *,
     twin: Plant[Any] | None = None,
     frames: bool = True,
@@ -177,7 +172,7 @@ def operate_stepped(
     with OperationRecorder(path, header_of(operator)) as recorder:
         sink = PlainSink(recorder, frames=frames)
         longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
-        state = run_stepped(operator, tank, sink=sink, longest=longest)
+        state = loop.run_stepped(operator, tank, sink=sink, longest=longest)
     return result_of(operator, state, path, None)
 
 
@@ -193,7 +188,7 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
     trial: Trial | None = None
     if recording is not None and state.begun is not None:
         try:
-            trial = trial_of(read_operation(recording))
+            trial = to_trial.trial_of(log.read_operation(recording))
             trial.save(recording.with_suffix(".nc"))
         except TrialFileError as error:
             state = replace(state, notes=(*state.notes, str(error)))

@@ -11,16 +11,11 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda.control import Following
+from laticauda import control, estimation, gaits, interfaces, protocol, scenarios
 from laticauda.errors import BadArgument
-from laticauda.estimation import Mount
 from laticauda.estimation.samples import Offset
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, OpenLoop, check_waves
-from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water, load_robot
-from laticauda.scenarios import water_for
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
@@ -61,7 +56,7 @@ class Connection:
         """
         changes: dict[str, Any] = {} if meter is None else {"meter_port": meter}
         if can is not None:
-            address = bus_address(can)
+            address = protocol.bus_address(can)
             changes |= {"can_interface": address.interface, "can_channel": address.channel, "can_port": address.port}
         if mocap is not None:
             host, _, port = mocap.rpartition(":")
@@ -139,9 +134,9 @@ class Calibration:
     patience: float = quantity("s", "after which waiting for it is given up", gt=0.0, default=120.0)
 
     @property
-    def mount(self) -> Mount:
+    def mount(self) -> estimation.Mount:
         """Where the rigid body of the motion capture sits."""
-        return Mount(module=self.marker_module, offset=self.marker_offset, angle=self.marker_yaw)
+        return estimation.Mount(module=self.marker_module, offset=self.marker_offset, angle=self.marker_yaw)
 
 
 @value
@@ -178,8 +173,8 @@ class Operation:
     name: str = option("what its files are called")
     robot: str = option("a preset or a TOML file; CAN node k drives its joint k - 1, tail first", default="mamba")
     water: str | None = option("a preset, a TOML file or textbook, for the record; None: usual", default=None)
-    gait: Gait = option("what the joints do")
-    following: Following | None = option("path following; None: open loop", default=None)
+    gait: gaits.Gait = option("what the joints do")
+    following: control.Following | None = option("path following; None: open loop", default=None)
     start: Placement | None = option("where the robot is put; None: anywhere", default=None)
     duration: float = quantity("s", "after which the run ends, if the tank does not before", gt=0.0, default=90.0)
     rate: float = quantity("1/s", "ticks per second", ge=LEAST_RATE, le=MOST_RATE, default=100.0)
@@ -219,17 +214,17 @@ class Operation:
             ValueError: If its joints cannot do what the controller may command.
         """
         robot = load_robot(self.robot)
-        check_waves(robot, self.gait)
+        interfaces.check_waves(robot, self.gait)
         if self.following is not None:
             self.following.controller(self.gait).check(robot)
         return robot
 
     def pool(self) -> Water:
         """The water."""
-        return water_for(load_robot(self.robot), self.water)
+        return scenarios.water_for(load_robot(self.robot), self.water)
 
-    def controller(self) -> Controller[Any]:
+    def controller(self) -> interfaces.Controller[Any]:
         """What decides: the same object as in simulation."""
         if self.following is None:
-            return OpenLoop(command=Command(gait=self.gait))
+            return interfaces.OpenLoop(command=interfaces.Command(gait=self.gait))
         return self.following.controller(self.gait)

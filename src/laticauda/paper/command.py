@@ -5,11 +5,9 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
-from laticauda.cli.command import Command, Outcome
+from laticauda.cli import command, scene, tables
 from laticauda.cli.flags import File, Folder
 from laticauda.cli.progress import progress
-from laticauda.cli.scene import warn_of_compiling
-from laticauda.cli.tables import aligned, number
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import loop_in_words
 
@@ -25,7 +23,7 @@ FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 
 
 @value
-class Reproduce(Command):
+class Reproduce(command.Command):
     """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
 
     Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), and a verdict on each of
@@ -53,7 +51,7 @@ class Reproduce(Command):
     )
     output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
 
-    def run(self) -> Outcome:
+    def run(self) -> command.Outcome:
         """Run and write."""
         from laticauda.paper.repeats import load_repeats
         from laticauda.paper.report.experiments import paper_experiments
@@ -64,7 +62,7 @@ class Reproduce(Command):
         settings = paper_experiments(parameters)
         joints = self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
         repeats = () if self.repeats is None else load_repeats(self.repeats)
-        warn_of_compiling(load_water("paper-lateral"))
+        scene.warn_of_compiling(load_water("paper-lateral"))
         bar = progress(FORMAT)
         done = reproduce(
             self.output,
@@ -76,7 +74,7 @@ class Reproduce(Command):
             workers=os.cpu_count() or 1 if self.workers is None else self.workers,
             progress=lambda what, done, total: bar(done, total, what),
         )
-        return Outcome(facts=facts_of(done), text=as_text(done))
+        return command.Outcome(facts=facts_of(done), text=as_text(done))
 
 
 def facts_of(done: "Reproduction") -> dict[str, Any]:
@@ -171,5 +169,5 @@ def _table(study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
     for score in found:
         values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
-        rows.append([score.title, *("-" if value is None else number(value) for value in values)])
-    return aligned(rows, right=range(1, len(rows[0])))
+        rows.append([score.title, *("-" if value is None else tables.number(value) for value in values)])
+    return tables.aligned(rows, right=range(1, len(rows[0])))

@@ -7,12 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from laticauda.files import read_rows
-from laticauda.gaits import Gait, envelope_of
+from laticauda import files, gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
-from laticauda.trial import MeasuredTrial, MeasuredTrials
-from laticauda.trial.null_models import Row
-from laticauda.trial.speeds import KINDS
+from laticauda.trial import MeasuredTrial, MeasuredTrials, null_models, speeds
 
 PRINTED_TO = 0.02  # the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]
@@ -21,7 +18,7 @@ _MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Row(Row):
+class _Row(null_models.Row):
     """What a row of either table has: its gait is what the joints were asked for, apart from the steering."""
 
     case: int
@@ -95,7 +92,7 @@ class Table1(MeasuredTrials):
         """All rows of the table, in its order."""
         return table1()
 
-    def counterpart(self, robot: Robot, gait: Gait, environment: Environment) -> MeasuredTrial | None:
+    def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
         """The row of a setting, or None.
 
         Args:
@@ -174,7 +171,7 @@ def percent_change(before: float, after: float) -> float:
     return 100.0 * (after / before - 1.0)
 
 
-def measured_trial(gait: Gait, has_fin: bool) -> MeasuredCase | None:
+def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
     """The paper's trial of Mamba with this gait, or None if it has none.
 
     Args:
@@ -200,14 +197,14 @@ def _machine(robot: Robot) -> Robot:
 
 
 def _cells(table: str) -> list[dict[str, str]]:
-    return [cells for _, cells in read_rows(Path(__file__).parent / "data" / table)[1]]
+    return [cells for _, cells in files.read_rows(Path(__file__).parent / "data" / table)[1]]
 
 
 def _row(cells: Mapping[str, str]) -> dict[str, Any]:
     alpha, omega, delta = (math.radians(float(cells[name])) for name in ("alpha_deg", "omega_deg_s", "delta_deg"))
-    envelope = envelope_of(KINDS[cells["gait"]])
+    envelope = gaits.envelope_of(speeds.KINDS[cells["gait"]])
     return {
-        "gait": Gait(envelope=envelope, amplitude=alpha, frequency=omega, phase_shift=delta),
+        "gait": gaits.Gait(envelope=envelope, amplitude=alpha, frequency=omega, phase_shift=delta),
         "has_fin": cells["config"] == "fin",
         "case": int(cells["case"]),
         "printed_velocity": _number(cells["printed_v_percent"]),
@@ -219,7 +216,7 @@ def _number(text: str) -> float | None:
     return float(text) if text else None
 
 
-def _alike(one: Gait, other: Gait) -> bool:
+def _alike(one: gaits.Gait, other: gaits.Gait) -> bool:
     names = ("amplitude", "frequency", "phase_shift", "offset")
     close = all(abs(getattr(one, name) - getattr(other, name)) <= _TOLERANCE for name in names)
     return one.kind == other.kind and one.pitch == other.pitch and one.fin == other.fin and close

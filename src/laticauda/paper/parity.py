@@ -8,15 +8,12 @@ from itertools import chain
 import numpy as np
 from jaxtyping import Float
 
+import laticauda as lc
 from laticauda.errors import instance, one_of
 from laticauda.extensions import name_of
-from laticauda.gaits import eel_like, lateral_undulation
 from laticauda.paper.runs import Runs, Study
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import load_robot, load_water
 from laticauda.scenarios import Scenario, model_of
-from laticauda.simulate import swim
-from laticauda.trial import Trial
 
 STEPS: dict[str, tuple[float, ...]] = {
     "prescribed": (0.05, 0.025, 0.0125, 0.00625, 0.003125),
@@ -57,10 +54,10 @@ class Parity:
 
 def parity_cases() -> tuple[ParityCase, ...]:
     """Lateral undulation, eel-like motion, a turn, the fin, a current."""
-    body, fin = load_robot("mamba"), load_robot("mamba-fin")
-    water, eel_water = load_water("paper-lateral"), load_water("paper-eel")
-    lateral = lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
-    eel = eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
+    body, fin = lc.load_robot("mamba"), lc.load_robot("mamba-fin")
+    water, eel_water = lc.load_water("paper-lateral"), lc.load_water("paper-eel")
+    lateral = lc.lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
+    eel = lc.eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
     usual = ParityCase(name="lateral", robot=body, motion=lateral, environment=water)
     return (
         usual,
@@ -141,11 +138,11 @@ def parity(
     instance("case", case, ParityCase)
     fine = min(steps) / 4.0 if reference_step is None else reference_step
     closed, space = (model_of(name, joints=joints) for name in ("planar", "spatial"))
-    planar = swim(replace(case, model=replace(closed, dt=fine), duration=duration))
+    planar = lc.swim(replace(case, model=replace(closed, dt=fine), duration=duration))
     traveled = planar.path_speed * duration
-    before: Trial | None = None
+    before: lc.Trial | None = None
     for dt in steps:
-        spatial = swim(replace(case, model=model_of(space, dt=dt, root="planar", gravity=False), duration=duration))
+        spatial = lc.swim(replace(case, model=model_of(space, dt=dt, root="planar", gravity=False), duration=duration))
         path = spatial.center_of_mass[:, :2]
         gap, rotation = _apart(path, planar.center_of_mass)
         richardson = None

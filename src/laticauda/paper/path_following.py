@@ -10,11 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.actuation import JointLaw
-from laticauda.control import PathFollowing
+import laticauda as lc
 from laticauda.extensions import name_of
-from laticauda.gaits import Gait
-from laticauda.interfaces import Start
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
@@ -142,7 +139,7 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
         ways = [
             replace(chosen, offset_bandwidth=bandwidth)
             if joints == law
-            else replace(chosen, joints=JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
+            else replace(chosen, joints=lc.JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
             for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
         ]
         runs.n_runs = settings.n_runs(law, chosen.offset_bandwidth)
@@ -181,7 +178,7 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
     names = "joints", "offset_bandwidth", "loop_delay", "dt", "ramp"
     how: dict[str, Any] = {name: trial.settings[name] for name in names}
     controller: Any = getattr(trial.scenario, "motion", None)  # a measured trial has none
-    assert isinstance(controller, PathFollowing)
+    assert isinstance(controller, lc.PathFollowing)
     progress = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
     return FollowingRun(
         **how,
@@ -212,7 +209,7 @@ class _Pool:
         """All cases of a group."""
         free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model)
         for row, figure in zip(group.followed, group.figures, strict=True):
-            start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+            start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
             task = (f"{group.name}, case {row.case}", group.robot, row.gait)
             trials = [self._swim(*task, way, start, "raw") for way in self.ways]
             band, place = [*map(self._figures, trials)], self.ways.index(self.runs.model)
@@ -230,7 +227,7 @@ class _Pool:
     def held_out(self) -> HeldOutRun:
         """The trial of another publication."""
         held = self.settings.held_out
-        start = Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
+        start = lc.Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
         trial = self._swim("The held-out trial", held.robot, held.gait, self.runs.model, start, "raw")
         time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
         assert period is not None
@@ -249,7 +246,7 @@ class _Pool:
         return figures_of(trial, self.settings.distance)
 
     def _swim(
-        self, what: str, robot: str, gait: Gait, way: Model, start: Start | None = None, heading: str = ""
+        self, what: str, robot: str, gait: lc.Gait, way: Model, start: lc.Start | None = None, heading: str = ""
     ) -> Trial:
         """A run from a start along the path; without one, unsteered."""
         settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"

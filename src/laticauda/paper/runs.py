@@ -5,21 +5,18 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
 
-from laticauda.actuation import JointLaw
+import laticauda as lc
+from laticauda import gaits, packaging
 from laticauda.errors import SimulationFailed
-from laticauda.gaits import GAIT_WORDS, Gait
-from laticauda.packaging import __version__
-from laticauda.robot import Parameters, Robot, Water, load_robot, load_water
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
 from laticauda.studies.trials import Progress
-from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
 
 Settings = TypeVar("Settings")
-_robot = cache(load_robot)
+_robot = cache(lc.load_robot)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +27,9 @@ class Coefficients:
     """What tables and files call it."""
     title: str
     """What a legend says."""
-    waters: Mapping[str, str | Water]
+    waters: Mapping[str, str | lc.Water]
     """A water for every kind of gait: itself, or its name (`load_water`)."""
-    parameters: Parameters | None = None
+    parameters: lc.Parameters | None = None
     """What they change about a robot, if they come from a parameter file."""
     n_fitted: int | None = None
     """How many of its numbers are fitted to Table 1; None for what the paper or somebody else gives [-]."""
@@ -40,14 +37,14 @@ class Coefficients:
     """For joints of the parameters' own, without a steering filter; None: joints and loop of the run [s]."""
 
     @classmethod
-    def of(cls, parameters: Parameters, **more: Any) -> Self:
+    def of(cls, parameters: lc.Parameters, **more: Any) -> Self:
         """What a parameter file says.
 
         Args:
             parameters: From the file.
             more: Further fields.
         """
-        waters = {gait: parameters.water(gait) for gait in GAIT_WORDS}
+        waters = {gait: parameters.water(gait) for gait in gaits.GAIT_WORDS}
         return cls(name=parameters.name, title=parameters.title, waters=waters, parameters=parameters, **more)
 
     def driven(self, model: Model) -> Model:
@@ -58,19 +55,19 @@ class Coefficients:
         """
         if self.loop_delay is None or self.parameters is None or self.parameters.joints is None:
             return model
-        joints = JointLaw.of(self.parameters.joints)
+        joints = lc.JointLaw.of(self.parameters.joints)
         return replace(model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None)
 
-    def water(self, gait: str) -> Water:
+    def water(self, gait: str) -> lc.Water:
         """The water for a kind of gait.
 
         Args:
             gait: The gait's kind.
         """
         water = self.waters[gait]
-        return water if isinstance(water, Water) else load_water(water)
+        return water if isinstance(water, lc.Water) else lc.load_water(water)
 
-    def scenario(self, robot: Robot | str, gait: Gait, **more: Any) -> Scenario:
+    def scenario(self, robot: lc.Robot | str, gait: lc.Gait, **more: Any) -> Scenario:
         """A robot with what these parameters change about it, in the water for its gait.
 
         Args:
@@ -98,7 +95,7 @@ class Runs:
     n_done: int = 0
     """How many there were [-]."""
 
-    def swim(self, name: str, scenario: Scenario, *, until: Until | None = None) -> Trial:
+    def swim(self, name: str, scenario: Scenario, *, until: Until | None = None) -> lc.Trial:
         """The trial of a scenario.
 
         Args:
@@ -138,7 +135,7 @@ class Study(Generic[Settings]):
     """What was run."""
     how: Mapping[str, Setting]
     """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
-    version: str = field(default_factory=lambda: __version__)
+    version: str = field(default_factory=lambda: packaging.__version__)
     """Version of laticauda that ran it."""
     usual: ClassVar[Any]
     """Makes the settings that are run where none are given."""

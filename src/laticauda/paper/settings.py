@@ -11,14 +11,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.codec import decode
-from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
+import laticauda as lc
+from laticauda import codec, gaits
 from laticauda.errors import BadArgument
-from laticauda.gaits import Gait, envelope_of
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients
 from laticauda.quantities import one_among, option, quantity, value
-from laticauda.robot import load_parameters
 from laticauda.trial.null_models import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
@@ -49,7 +47,7 @@ class SweepSettings:
         count = math.floor((self.high - self.low) / self.step + 1e-9) + 1
         return self.low + self.step * np.arange(count)
 
-    def gait(self, kind: str, value: float) -> Gait:
+    def gait(self, kind: str, value: float) -> lc.Gait:
         """The gait of one point of the sweep.
 
         Args:
@@ -57,9 +55,9 @@ class SweepSettings:
             value: Of the parameter [rad, rad/s].
         """
         angles: dict[str, Any] = {**self.fixed, self.parameter: float(value)}
-        return Gait(envelope=envelope_of(kind), **angles)
+        return lc.Gait(envelope=gaits.envelope_of(kind), **angles)
 
-    def contains(self, gait: Gait) -> bool:
+    def contains(self, gait: lc.Gait) -> bool:
         """Whether a gait lies on this sweep's line, whatever its kind and its value of the parameter.
 
         Args:
@@ -121,7 +119,7 @@ class EfficiencySettings:
 class HeldOut:
     """A published trial of the same robot that no choice here rests on."""
 
-    gait: Gait = option("What the joints are asked for, apart from the steering")
+    gait: lc.Gait = option("What the joints are asked for, apart from the steering")
     robot: str = option("The robot's name (`load_robot`)")
     initial_cross_track_error: float = quantity("m", "Initial distance from the path, positive to its left")
     initial_heading: float = quantity("rad", "Initial heading")
@@ -163,18 +161,18 @@ class PathFollowingSettings:
         """How many cases there are [-]."""
         return sum(len(group.figures) for group in self.groups)
 
-    def controller(self, gait: Gait, heading_estimate: str = "raw") -> PathFollowing:
+    def controller(self, gait: lc.Gait, heading_estimate: str = "raw") -> lc.PathFollowing:
         """How every run is steered along the x axis.
 
         Args:
             gait: What swims.
             heading_estimate: Which heading is used: raw or cycle_mean.
         """
-        return PathFollowing(
+        return lc.PathFollowing(
             gait=gait,
-            path=StraightLine(),
-            guidance=LineOfSight(look_ahead_distance=self.look_ahead_distance),
-            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
+            path=lc.StraightLine(),
+            guidance=lc.LineOfSight(look_ahead_distance=self.look_ahead_distance),
+            heading=lc.HeadingController(gain=self.gain, max_offset=self.max_offset),
             heading_estimate=heading_estimate,
             interval=self.control_interval,
         )
@@ -207,14 +205,14 @@ def efficiency_settings() -> EfficiencySettings:
     table = _table("efficiency")
     for sweep in table["sweeps"]:
         sweep["fixed"] = {name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()}
-    settings = decode(EfficiencySettings, table)
+    settings = codec.decode(EfficiencySettings, table)
     return replace(settings, models=(*settings.models, *own_models()))
 
 
 @cache
 def own_models() -> tuple[Coefficients, ...]:
     """The project's own models of Mamba, which stand beside the paper's coefficients."""
-    return tuple(Coefficients.of(load_parameters(own.pop("parameters")), **own) for own in _table("own"))
+    return tuple(Coefficients.of(lc.load_parameters(own.pop("parameters")), **own) for own in _table("own"))
 
 
 @cache
@@ -223,7 +221,7 @@ def path_following_settings() -> PathFollowingSettings:
     table = _table("path_following")
     held = table["held_out"]
     held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
-    return decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()})
+    return codec.decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()})
 
 
 def paper_coefficients() -> Coefficients:

@@ -12,16 +12,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.actuation import JointLaw
+import laticauda as lc
 from laticauda.errors import BadArgument
-from laticauda.gaits import EelLike, Gait, lateral_undulation
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import load_robot
 from laticauda.scenarios import Model
-from laticauda.trial import Trial
 
 ROBOT = "mamba"
 SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]
@@ -33,15 +30,15 @@ def _phase_shifts() -> SweepSettings:
     return next(sweep for sweep in efficiency_settings().sweeps if sweep.parameter == "phase_shift")
 
 
-def _fast() -> tuple[Gait, ...]:
+def _fast() -> tuple[lc.Gait, ...]:
     found = [row.gait for group in efficiency_settings().groups for row in group.cases if not group.has_fin]
     highest = max(gait.frequency for gait in found)
     return tuple(gait for gait in found if gait.frequency == highest)
 
 
-def _held() -> tuple[Gait, ...]:
-    lateral = lateral_undulation(amplitude_deg=30.0, frequency_deg_s=110.0, phase_shift_deg=40.0)
-    return lateral, replace(lateral, envelope=EelLike())
+def _held() -> tuple[lc.Gait, ...]:
+    lateral = lc.lateral_undulation(amplitude_deg=30.0, frequency_deg_s=110.0, phase_shift_deg=40.0)
+    return lateral, replace(lateral, envelope=lc.EelLike())
 
 
 @value
@@ -49,11 +46,11 @@ class SideSettings:
     """What the side trials run."""
 
     phase_shifts: SweepSettings = option("The sweep over the phase shift", default_factory=_phase_shifts)
-    gaits: tuple[Gait, ...] = option(
+    gaits: tuple[lc.Gait, ...] = option(
         "What sensitivities are taken at; by default the highest frequency of Table 1", default_factory=_fast
     )
     n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
-    doubled: tuple[Gait, ...] = option(
+    doubled: tuple[lc.Gait, ...] = option(
         "How the shorter robot swims; by default what the paper's sweeps hold", default_factory=_held
     )
     duration: float = quantity("s", "Of every trial", gt=0.0, default=30.0)
@@ -71,9 +68,9 @@ class Doubling:
 
     kept: str
     """One of `KEPT`."""
-    shorter: Trial
+    shorter: lc.Trial
     """Of the robot with fewer links."""
-    longer: Trial
+    longer: lc.Trial
     """Of the one with more."""
 
     @property
@@ -114,8 +111,8 @@ class SideTrials(Study[SideSettings]):
         gaits = {gait.kind: gait for gait in settings.gaits}
         runs.n_runs = sweep.values.size + 3 * len(gaits) + 2 * len(KEPT) * len(settings.doubled)
 
-        def swum(gait: Gait, how: Model = by, n_links: int | None = None, **others: Any) -> Trial:
-            robot = load_robot(ROBOT, n_links=n_links)
+        def swum(gait: lc.Gait, how: Model = by, n_links: int | None = None, **others: Any) -> lc.Trial:
+            robot = lc.load_robot(ROBOT, n_links=n_links)
             one = settings.coefficients.scenario(robot, gait, model=how, duration=settings.duration)
             one = replace(one, environment=replace(one.environment, **others))
             return runs.swim(f"{ROBOT} with {robot.n_links} links, {gait.kind}, side trial", one)
@@ -124,13 +121,13 @@ class SideTrials(Study[SideSettings]):
             speeds = {kind: swum(gait, **others).forward_velocity for kind, gait in gaits.items()}
             return {kind: percent_change(usual[kind], speed) for kind, speed in speeds.items()}
 
-        def doubled(gait: Gait, kept: str) -> Doubling:
+        def doubled(gait: lc.Gait, kept: str) -> Doubling:
             few, many = settings.n_links
             share = few / many if kept == "number of waves" else 1.0
             longer = replace(gait, phase_shift=share * gait.phase_shift)
             return Doubling(kept=kept, shorter=swum(gait, n_links=few), longer=swum(longer, n_links=many))
 
-        pd = replace(by, joints=JointLaw.of("pd"), dt=None)
+        pd = replace(by, joints=lc.JointLaw.of("pd"), dt=None)
         swept = [swum(sweep.gait("lateral_undulation", at), pd).forward_velocity for at in sweep.values]
         usual = {kind: swum(gait).forward_velocity for kind, gait in gaits.items()}
         return SideTrials(

@@ -15,11 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.figures import style
-from laticauda.figures.path import draw_posture, posture
-from laticauda.gaits import Gait
-from laticauda.robot import Robot
-from laticauda.simulate import swim_many
+import laticauda as lc
+from laticauda.figures import path, style
 from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
@@ -132,7 +129,7 @@ def measured_points(front: Front) -> np.ndarray:
     gaits = [trial.gait for trial in _measured(front)]
     if not gaits:
         return np.empty((0, 2))
-    swims = swim_many([replace(base, motion=gait) for gait in gaits])
+    swims = lc.swim_many([replace(base, motion=gait) for gait in gaits])
     first, last = front.optimization.objectives
     points = np.stack((getattr(swims, last), getattr(swims, first)), axis=1)
     return points[np.isfinite(points).all(axis=1)]
@@ -245,7 +242,7 @@ def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: st
         low, high = shape.min(axis=0), shape.max(axis=0)
         middle = 0.5 * (low + high)
         height = float(high[1] - low[1]) + THICK * longest
-        draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
+        path.draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
         lines = text.count("\n") + 1
         ax.text(
             -0.66 * longest, top - 0.5 * height, next(letters), color=color, fontweight="bold", **_TEXT, va="center"
@@ -259,7 +256,7 @@ def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: st
     return ax
 
 
-def _shape(robot: Robot, gait: Gait) -> Points:
+def _shape(robot: lc.Robot, gait: lc.Gait) -> Points:
     """Trailing edge and link ends of a body in its gait, along x on the whole, at the moment when it is straightest."""
     body = robot.planar()
     envelope = np.array(gait.joint_envelope(body.n_links))
@@ -270,5 +267,5 @@ def _shape(robot: Robot, gait: Gait) -> Points:
         angles = np.concatenate(([0.0], np.cumsum(joints)))
         center = np.zeros(2)
         angles -= angles.mean()
-        shapes.append(posture(body, center, angles))
+        shapes.append(path.posture(body, center, angles))
     return min(shapes, key=lambda shape: float(np.ptp(shape[:, 1])))

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.extensions import name_of
+from laticauda import extensions, packaging
 from laticauda.files import write
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
-from laticauda.packaging import __version__
-from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.reports.texts import in_digits
+from laticauda.reports import chapter, texts
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -39,15 +37,15 @@ def write_identification(done: Validation, folder: str | Path, *, command: str =
         ValueError: If the folder cannot be written.
         MissingExtra: If Jinja2 is not installed.
     """
-    place = writable_folder(folder)
+    place = chapter.writable_folder(folder)
     done.task.parameters(done.found).save(place / "parameters.toml")
     write(place / "fit.json", json.dumps(as_dict(done, command), indent=2, allow_nan=False) + "\n")
-    files, html = write_chapter(identification_chapter(done, command), place)
+    files, html = chapter.write_chapter(identification_chapter(done, command), place)
     write(place / "identify.html", html)
     return ["identify.html", "parameters.toml", "fit.json", *files]
 
 
-def identification_chapter(done: Validation, command: str = "") -> Chapter:
+def identification_chapter(done: Validation, command: str = "") -> chapter.Chapter:
     """The whole page, with its tables and figures.
 
     Args:
@@ -60,16 +58,16 @@ def identification_chapter(done: Validation, command: str = "") -> Chapter:
     values = {
         "task": done.task,
         "found": found,
-        "model": name_of(type(found.problem.model)),
-        "joints": name_of(type(found.problem.model.joints)),
+        "model": extensions.name_of(type(found.problem.model)),
+        "joints": extensions.name_of(type(found.problem.model.joints)),
         "is_linearized": done.is_linearized,
         "by_group": done.by_group is not None,
         "command": command,
-        "version": __version__,
+        "version": packaging.__version__,
         "sources": sources_of(done.task),
     }
     tables = identification_tables(done)
-    return Chapter(name="identify", values=values, tables=tables, figures=lambda: figures_of(done))
+    return chapter.Chapter(name="identify", values=values, tables=tables, figures=lambda: figures_of(done))
 
 
 def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
@@ -118,11 +116,11 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
             for one in found.searches
         ],
         "warnings": list(found.warnings),
-        "joints": name_of(type(found.problem.model.joints)),
-        "model": name_of(type(found.problem.model)),
+        "joints": extensions.name_of(type(found.problem.model.joints)),
+        "model": extensions.name_of(type(found.problem.model)),
         "sources": sources_of(done.task),
         "command": command,
-        "version": __version__,
+        "version": packaging.__version__,
     }
 
 
@@ -186,7 +184,7 @@ def _parameters(done: Validation) -> list[Row]:
 
 
 def _end(value: float) -> str:
-    return in_digits(value, ".4g") if math.isfinite(value) else "any"
+    return texts.in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
 def _began(done: Validation) -> list[Row]:

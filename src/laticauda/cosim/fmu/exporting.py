@@ -21,20 +21,14 @@ from uuid import UUID
 
 import numpy as np
 
-from laticauda.actuation.laws import JointLaw
-from laticauda.cosim.fmu import entry
-from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
+import laticauda as lc
+from laticauda import extensions, files
+from laticauda.cosim.fmu import description, entry
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, instance, one_of
-from laticauda.extensions import name_of
-from laticauda.files import write
-from laticauda.gaits import Gait
-from laticauda.interfaces import Start
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Robot, Water
 from laticauda.scenarios import Changes, Planar, Scenario, scenario
-from laticauda.simulate import plant
 
 FOLDER = Path(__file__).parent / "c"
 COMPILERS = ("cc", "gcc", "clang")
@@ -145,8 +139,8 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot ma
 
 def export_fmu(
     path: str | os.PathLike[str],
-    robot: Scenario | Robot | str | Path,
-    gait: Gait | None = None,
+    robot: Scenario | lc.Robot | str | Path,
+    gait: lc.Gait | None = None,
     *,
     inputs: str = "gait",
     fmi: str = "2.0",
@@ -179,13 +173,13 @@ def export_fmu(
     if file.suffix.lower() != ".fmu":
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
     one_of("inputs", inputs, INPUTS)
-    one_of("fmi", fmi, VERSIONS)
-    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(Gait, gait), **changes)
-    instance("environment", chosen.environment, Water)
+    one_of("fmi", fmi, description.VERSIONS)
+    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(lc.Gait, gait), **changes)
+    instance("environment", chosen.environment, lc.Water)
     instance("model", chosen.model, Planar)
-    instance("motion", chosen.motion, Gait)
-    instance("start", chosen.start, Start)
-    body, gait = cast(PlanarPlant, plant(chosen)), chosen.gait
+    instance("motion", chosen.motion, lc.Gait)
+    instance("start", chosen.start, lc.Start)
+    body, gait = cast(PlanarPlant, lc.plant(chosen)), chosen.gait
     if inputs == "references" and body.joints.prescribed:
         raise BadArgument(
             "inputs",
@@ -193,26 +187,26 @@ def export_fmu(
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
-    tables = tables_of(body, gait, cast(Start, chosen.start), inputs=inputs)
+    tables = tables_of(body, gait, cast(lc.Start, chosen.start), inputs=inputs)
     _export(file, body, tables, inputs, fmi)
     return tables.variables
 
 
-def needs_compiling(water: Water, joints: JointLaw | str = "prescribed") -> bool:
+def needs_compiling(water: lc.Water, joints: lc.JointLaw | str = "prescribed") -> bool:
     """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
 
     Args:
         water: Where it will swim.
         joints: How its joints will follow their references.
     """
-    return not entry.kept_at(water.drag, JointLaw.of(joints)).exists()
+    return not entry.kept_at(water.drag, lc.JointLaw.of(joints)).exists()
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
     """Compile, and pack what belongs together; its identity is a digest of all that it is made of."""
     c_compiler()  # before the kernels, which take seconds
     code = entry.object_code(body.law, body.joints)
-    words = Description(
+    words = description.Description(
         identifier=_identifier(file.stem),
         robot=_in_words(body),
         facts=_facts(body, inputs),
@@ -224,10 +218,10 @@ def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str
     guid = f"{{{UUID(digest(content.encode())[:32])}}}"
     parts = {
         "modelDescription.xml": words.model_description(guid),
-        f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
+        f"binaries/{description.BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
         "documentation/index.html": words.page().encode(),
     }
-    write(file, _zipped(parts))
+    files.write(file, _zipped(parts))
 
 
 def _identifier(stem: str) -> str:
@@ -247,10 +241,10 @@ def _in_words(body: PlanarPlant) -> str:
 
 def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
     water = body.environment
-    assert isinstance(water, Water)
+    assert isinstance(water, lc.Water)
     return (
         ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
-        ("joints", name_of(type(body.joints))),
+        ("joints", extensions.name_of(type(body.joints))),
         ("inputs", inputs),
         ("drag", water.drag.words),
         ("form of the added mass", water.added_mass_form),

@@ -7,14 +7,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
+import laticauda as lc
 from laticauda.cosim.fmu import entry
 from laticauda.cosim.fmu.variables import Variable, variables_of
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Start
-from laticauda.planar import rows
+from laticauda.planar import model, rows
 from laticauda.planar.layout import layout
-from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Water
 
 Triples = Sequence[tuple[int, int, float]]
 
@@ -33,7 +30,7 @@ class Tables:
     """Of the kernels' array [-]."""
 
 
-def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> Tables:
+def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> Tables:
     """The arrays of a robot in water.
 
     Args:
@@ -46,7 +43,7 @@ def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> T
         ValueError: If the plant refuses the gait, or references from outside.
     """
     held = (0.0,) * len(plant.robot.driven_joints) if inputs == "references" else None
-    command = Command(gait=gait, references=held)
+    command = lc.Command(gait=gait, references=held)
     template = plant.rows(plant.init(start, command), command)
     variables = variables_of(plant, gait, start, inputs=inputs)
     number = {variable.name: i for i, variable in enumerate(variables)}
@@ -108,7 +105,7 @@ def _shares(variables: Sequence[Variable], causality: str) -> Triples:
     return [(i, *share) for i, variable in mine for share in variable.rows]
 
 
-def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:
+def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:
     """How the rows depend on density and coefficients, by laying the robot out in other waters.
 
     Every row is a sum of a number without water, of one times the density, and of one times the density times each
@@ -120,7 +117,7 @@ def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Tr
         row that depends on one, term, row and slope.
     """
     water = plant.environment
-    assert isinstance(water, Water)
+    assert isinstance(water, lc.Water)
     fields = {variable.coefficient: i for i, variable in enumerate(variables) if variable.coefficient}
     density = fields.pop("density")
     here = plant.layout.template
@@ -139,7 +136,7 @@ def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Tr
     return terms, slopes
 
 
-def _difference(plant: PlanarPlant, water: Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
+def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
     """How the rows change per unit of a field of the water."""
     there: Any = {field: getattr(water, field) + step}
     other = layout(plant.robot, replace(water, **there), joints=plant.joints).template

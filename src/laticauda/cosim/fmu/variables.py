@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, cast
 
-from laticauda.formulas import Law
-from laticauda.gaits import Gait, Wave
-from laticauda.interfaces import Start
+import laticauda as lc
+from laticauda import formulas, robot
 from laticauda.planar import rows
 from laticauda.planar.model import LEAST_DT, PlanarPlant
 from laticauda.quantities import quantities_of
-from laticauda.robot import Water, has_power_model
 
 Shares = tuple[tuple[int, float], ...]
 Ends = tuple[float, float]
@@ -63,7 +61,7 @@ class Variable:
     """Name of the field of `Water` that a parameter stands for, if no single row holds it [-]."""
 
 
-def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> tuple[Variable, ...]:
+def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> tuple[Variable, ...]:
     """All variables, in the order of their value references.
 
     Args:
@@ -73,7 +71,7 @@ def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -
         inputs: gait or references.
     """
     water = plant.environment
-    assert isinstance(water, Water)
+    assert isinstance(water, lc.Water)
     if inputs == "gait":
         fin = _wave("fin", gait.fin, FIN) if 0 in plant.robot.fin_joints else ()
         driven = (*_generator(plant, gait), *_wave("gait", gait, GAIT), *fin)
@@ -110,7 +108,7 @@ def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, fl
     return Variable(name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares)
 
 
-def _start(plant: PlanarPlant, start: Start) -> Iterator[Variable]:
+def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
     text, (x, y), anywhere = "Where the center of mass is at the start.", start.center_of_mass, (-FAR, FAR)
     yield _parameter("start.x", "m", "p_x", x, anywhere, text, rows.X)
     yield _parameter("start.y", "m", "p_y", y, anywhere, text, rows.Y)
@@ -123,7 +121,7 @@ def _start(plant: PlanarPlant, start: Start) -> Iterator[Variable]:
         yield _parameter(name, "rad", "phi", 0.0, (-math.pi, math.pi), text, b + rows.ANGLE)
 
 
-def _water(plant: PlanarPlant, water: Water) -> Iterator[Variable]:
+def _water(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
     for name, unit, symbol, least, text in (
         ("density", "kg/m3", "rho", TINY, "Density of the water."),
         ("tangential_friction", "1", "C_f", 0.0, "Drag along the body."),
@@ -139,7 +137,7 @@ def _water(plant: PlanarPlant, water: Water) -> Iterator[Variable]:
         yield from _law("joints", plant.joints, rows.JOINT_LAW)
 
 
-def _law(prefix: str, law: Law, first: int) -> Iterator[Variable]:
+def _law(prefix: str, law: formulas.Law, first: int) -> Iterator[Variable]:
     """The numbers of a law."""
     for name, one in quantities_of(cast(type, type(law))).items():
         text, unit = one.text[0].upper() + one.text[1:] + ".", one.unit.replace(" ", ".").replace("^", "") or "1"
@@ -147,7 +145,7 @@ def _law(prefix: str, law: Law, first: int) -> Iterator[Variable]:
         yield _parameter(f"{prefix}.{name}", unit, "", getattr(law, name), ends, text, row)
 
 
-def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
+def _generator(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
     text, now = "Bandwidth of the filters behind the gait's parameters.", plant.settings.offset_bandwidth
     yield _parameter("offset_bandwidth", "rad/s", "", now, (TINY, 1e6), text, rows.BANDWIDTH)
     yield _parameter("ramp", "s", "T", plant.ramp, (0.0, 1e6), "Duration of the smooth start.", rows.RAMP)
@@ -158,7 +156,7 @@ def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
         yield _parameter(name, "1", "g", g, (-math.inf, math.inf), text, rows=share)
 
 
-def _wave(prefix: str, wave: Gait | Wave | None, lines: Sequence[_Line]) -> Iterator[Variable]:
+def _wave(prefix: str, wave: lc.Gait | lc.Wave | None, lines: Sequence[_Line]) -> Iterator[Variable]:
     """The numbers of a wave; those that a filter follows are there at once at the start."""
     for name, unit, symbol, least, row, now, text in lines:
         first = () if now is None else ((now, 1.0),)
@@ -176,7 +174,7 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
         yield _input(name, "rad", "phi_ref", 0.0, (-FAR, FAR), text, b + rows.ENVELOPE)
 
 
-def _current(water: Water) -> Iterator[Variable]:
+def _current(water: lc.Water) -> Iterator[Variable]:
     for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
         text = "Velocity that the water moves to, world axes."
         yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)
@@ -231,7 +229,7 @@ def _power(plant: PlanarPlant) -> Iterator[Variable]:
         ("net", rows.POWER_NET, rows.WORK_NET, "Sum of u_i phi'_i"),
         ("positive", rows.POWER_POSITIVE, rows.WORK_POSITIVE, "Sum of max(u_i phi'_i, 0)"),
     ]
-    if has_power_model(plant.robot, plant.joints):
+    if robot.has_power_model(plant.robot, plant.joints):
         text = "Electrical power above idle"
         kinds.append(("electrical", rows.POWER_ELECTRICAL, rows.WORK_ELECTRICAL, text))
     for name, power, _, text in kinds:

@@ -8,21 +8,17 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass, replace
 from typing import Any, TypeAlias, cast
 
-from laticauda.codec import decode, encode
+from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
-from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.interfaces import Controller
-from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import law_of
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 HEADER = "operation"
 FORMAT = "2"
 """That is read and written."""
-Estimators: TypeAlias = Estimator | KinematicEstimator
+Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 
 
 @value
@@ -32,7 +28,7 @@ class Header:
     run: Experiment = option(
         "what swims, in what, by which gait, as far as it is known; density and current count for the figures"
     )
-    controller: Controller[Any] | None = option("what decides the commands, for a replay", default=None)
+    controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
     estimator: Estimators | None = option(
         "what says where the robot is, for a replay; the plant of an `Estimator` is kept as `twin`", default=None
     )
@@ -42,23 +38,23 @@ class Header:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be written, and keep of a plant how it was made."""
-        instance("controller", self.controller, Controller, type(None))
+        instance("controller", self.controller, interfaces.Controller, type(None))
         if not (self.controller is None or is_dataclass(self.controller)):
             raise BadArgument("controller", f"must be a value, got {type(self.controller).__name__}")
-        if isinstance(self.estimator, Estimator) and self.estimator.plant is not None:
+        if isinstance(self.estimator, estimation.Estimator) and self.estimator.plant is not None:
             object.__setattr__(self, "twin", _record_of(self.estimator.plant))
             object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
 
     def texts(self) -> dict[str, str]:
         """The header as texts by name."""
-        estimator = encode(self.estimator, Estimators)
+        estimator = codec.encode(self.estimator, Estimators)
         if estimator is not None:
             del estimator["robot"]  # it is the run's
         return {
             "format": FORMAT,
-            "version": __version__,
+            "version": packaging.__version__,
             "run": run_to_toml(self.run),
-            "controller": json.dumps(encode(self.controller, Controller)),
+            "controller": json.dumps(codec.encode(self.controller, interfaces.Controller)),
             "estimator": json.dumps(estimator),
             "twin": "" if self.twin is None else run_to_toml(self.twin),
             "supply_voltage": "" if self.supply_voltage is None else repr(self.supply_voltage),
@@ -82,8 +78,8 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
         estimator = {**estimator, "robot": run.robot}
     return Header(
         run=run,
-        controller=decode(cast(Any, Controller), json.loads(texts["controller"]), "controller"),
-        estimator=decode(Estimators, estimator, "estimator"),
+        controller=codec.decode(cast(Any, interfaces.Controller), json.loads(texts["controller"]), "controller"),
+        estimator=codec.decode(Estimators, estimator, "estimator"),
         twin=cast(Any, run_from_toml(texts["twin"])) if texts["twin"] else None,
         supply_voltage=float(texts["supply_voltage"]) if texts["supply_voltage"] else None,
         operation=texts["operation"],
@@ -92,6 +88,6 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
 
 def _record_of(plant: Plant[Any]) -> Experiment:
     """How a plant was made, as a recording keeps it."""
-    if isinstance(law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
+    if isinstance(robot.law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
         raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)

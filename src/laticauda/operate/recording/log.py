@@ -7,12 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda.codec import decode, keys_of
+from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
-from laticauda.interfaces import Command, Controller
-from laticauda.logs import Logged, open_recording
 from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing
 from laticauda.operate.recording.header import FORMAT, HEADER, Header, header_from_texts
 from laticauda.operate.recording.recorder import COMMAND, TICK
@@ -67,7 +65,7 @@ def read_operation(path: str | Path) -> OperationLog:
         TrialFileError: If there is no such file, or it is no recording of an operation; the message says why.
         MissingExtra: If the package `mcap` is not installed.
     """
-    recording = open_recording(path)
+    recording = logs.open_recording(path)
     texts = recording.metadata.get(HEADER)
     if texts is None:
         raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
@@ -77,7 +75,7 @@ def read_operation(path: str | Path) -> OperationLog:
             f"{FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
         )
     try:
-        with keys_of(f"Cannot load {path}", TrialFileError):
+        with codec.keys_of(f"Cannot load {path}", TrialFileError):
             header = header_from_texts(texts)
             entries = tuple(_entry(logged) for logged in recording.messages(*SCHEMAS, COMMAND, TICK, "/events"))
     except KeyError as error:
@@ -95,7 +93,7 @@ def read_operation(path: str | Path) -> OperationLog:
     )
 
 
-def _entry(logged: Logged) -> Entry:
+def _entry(logged: logs.Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
         said: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
@@ -104,7 +102,7 @@ def _entry(logged: Logged) -> Entry:
         )
     if logged.topic == COMMAND:
         decided = json.loads(content["data"])
-        decided["command"] = decode(Command, decided["command"], "command")
+        decided["command"] = codec.decode(interfaces.Command, decided["command"], "command")
         return Decision(**decided)
     if logged.topic == TICK:
         return Tick(*content["data"])
@@ -159,7 +157,7 @@ def rerun_estimator(
 
 
 def rerun_controller(
-    log: OperationLog, controller: Controller[Any] | None = None, estimates: list[Estimate] | None = None
+    log: OperationLog, controller: interfaces.Controller[Any] | None = None, estimates: list[Estimate] | None = None
 ) -> Rerun:
     """What a controller decides on the recorded estimates, at the recorded control instants of the run.
 
@@ -182,7 +180,7 @@ def rerun_controller(
         if decision.time not in known:
             raise BadArgument("estimates", f"must have one at every control instant, got none at {decision.time} s")
         state, command = chosen.step(state, known[decision.time])
-        instance("command", command, Command)
+        instance("command", command, interfaces.Command)
         again.append(Decision(time=decision.time, command=command, signals={}))
     return Rerun(recorded=tuple(recorded), again=tuple(again))
 

@@ -12,12 +12,9 @@ from typing import Self
 
 import numpy as np
 
-from laticauda.codec import encode
+from laticauda import codec, estimation, interfaces, logs
 from laticauda.errors import not_negative
-from laticauda.estimation import Estimate, JointSample, PoseSample
-from laticauda.interfaces import Command
 from laticauda.kinematics import to_quaternion, turn
-from laticauda.logs import Recorder
 from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.recording.entries import SCHEMAS, Event, Measurement, PowerReading, Tick, topic_of
@@ -45,7 +42,7 @@ class OperationRecorder:
     """
 
     def __init__(self, path: str | Path, header: Header) -> None:
-        self._recorder = Recorder(path, chunk_seconds=CHUNK)
+        self._recorder = logs.Recorder(path, chunk_seconds=CHUNK)
         self._recorder.metadata(HEADER, header.texts())
         robot = header.run.robot
         self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
@@ -66,17 +63,17 @@ class OperationRecorder:
         """
         time = sample.time if received is None else not_negative("received", received, "s")
         self._array(topic_of(sample), time, sample)
-        if isinstance(sample, JointSample):
+        if isinstance(sample, estimation.JointSample):
             names = next(n for n in (self._driven, self._joints, self._yaw) if sample.angle.size == len(n))
             rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
             self._recorder.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
-        elif isinstance(sample, PoseSample) and not sample.is_lost:
+        elif isinstance(sample, estimation.PoseSample) and not sample.is_lost:
             turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else to_quaternion(sample.rotation)
             self._recorder.pose("/mocap/body", time, sample.position.tolist(), turned)
         elif isinstance(sample, PowerReading):
             self._recorder.scalar("/power/current", time, sample.current, unit="A")
 
-    def estimate(self, estimate: Estimate) -> None:
+    def estimate(self, estimate: estimation.Estimate) -> None:
         """An `estimate` of where the robot was."""
         time = estimate.time
         self._array(topic_of(estimate), time, estimate)
@@ -85,11 +82,11 @@ class OperationRecorder:
         self._recorder.pose("/estimate/body", time, (x, y, z), turned)
         self._recorder.scalar("/estimate/heading", time, estimate.heading, unit="rad")
 
-    def _array(self, topic: str, time: float, entry: Measurement | Estimate) -> None:
+    def _array(self, topic: str, time: float, entry: Measurement | estimation.Estimate) -> None:
         schema = SCHEMAS[topic]
         self._recorder.array(topic, time, schema.pack(entry), unit="SI", labels=(schema.label,))
 
-    def command(self, time: float, command: Command, signals: Mapping[str, float] | None = None) -> None:
+    def command(self, time: float, command: interfaces.Command, signals: Mapping[str, float] | None = None) -> None:
         """What a controller decided.
 
         Args:
@@ -97,7 +94,7 @@ class OperationRecorder:
             command: Its decision.
             signals: Its signals, by name.
         """
-        content = {"time": time, "command": encode(command), "signals": dict(signals or {})}
+        content = {"time": time, "command": codec.encode(command), "signals": dict(signals or {})}
         self._recorder.json(COMMAND, time, content)
         for name, value in (signals or {}).items():
             self._recorder.scalar(f"/control/{name}", time, value, unit="SI")

@@ -14,22 +14,17 @@ from typing import Any, Literal
 
 import numpy as np
 
+from laticauda.paper import efficiency, measured, parity, path_following, runs, side_trials
 from laticauda.paper.claims import quantities
-from laticauda.paper.efficiency import EfficiencyStudy
-from laticauda.paper.measured import PRINTED_TO, efficiency_trials, path_following_trials, printed_changes
-from laticauda.paper.parity import ParityStudy
-from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import paper_templates
-from laticauda.paper.runs import Study
-from laticauda.paper.side_trials import SideTrials
 from laticauda.reports.texts import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
-STUDIES: Mapping[str, tuple[type[Study[Any]], str]] = {
-    "efficiency": (EfficiencyStudy, "the efficiency study"),
-    "following": (PathFollowingStudy, "the path-following study"),
-    "side": (SideTrials, "the side trials"),
-    "parity": (ParityStudy, "the comparison with the 3D model (reproduce with the model spatial)"),
+STUDIES: Mapping[str, tuple[type[runs.Study[Any]], str]] = {
+    "efficiency": (efficiency.EfficiencyStudy, "the efficiency study"),
+    "following": (path_following.PathFollowingStudy, "the path-following study"),
+    "side": (side_trials.SideTrials, "the side trials"),
+    "parity": (parity.ParityStudy, "the comparison with the 3D model (reproduce with the model spatial)"),
 }
 """What the table of claims needs, by its name there."""
 
@@ -42,7 +37,7 @@ RULES: Mapping[str, Callable[[Any, Any], Any]] = {
     "any_above": lambda values, limit: np.any(values > limit),
     "most_below": lambda values, limit: 2 * np.sum(values < limit) > values.size,
     "median_at_least": lambda values, limit: np.median(values) >= limit,
-    "spans": lambda values, ends: np.allclose([values.min(), values.max()], ends, rtol=0.0, atol=PRINTED_TO),
+    "spans": lambda values, ends: np.allclose([values.min(), values.max()], ends, rtol=0.0, atol=measured.PRINTED_TO),
 }
 """How numbers meet a part of a rule; all of them must, unless the name says otherwise."""
 
@@ -67,7 +62,7 @@ class Claim:
     """What follows from the rule and the numbers."""
 
 
-def claims(*studies: Study[Any]) -> tuple[Claim, ...]:
+def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
     """What the paper's results, remarks and conclusions claim, and what the studies say to it.
 
     Args:
@@ -78,7 +73,7 @@ def claims(*studies: Study[Any]) -> tuple[Claim, ...]:
     given = {name: study for study in studies for name, (kind, _) in STUDIES.items() if isinstance(study, kind)}
     known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
     known |= {name: getattr(quantities, name)(study) for name, study in given.items()}
-    if isinstance(following := given.get("following"), PathFollowingStudy):
+    if isinstance(following := given.get("following"), path_following.PathFollowingStudy):
         known["ways"] = [{**known, "following": quantities.following(way)} for way in following.ways]
     if {"side", "efficiency"} <= given.keys():
         known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
@@ -210,8 +205,8 @@ def misprints() -> tuple[Misprint, ...]:
 
 def _changes() -> Iterator[Misprint]:
     """Printed changes by the fin that the rows of the tables do not give."""
-    for number, rows in ((1, efficiency_trials()), (2, path_following_trials())):
-        for change in printed_changes(rows):
+    for number, rows in ((1, measured.efficiency_trials()), (2, measured.path_following_trials())):
+        for change in measured.printed_changes(rows):
             for what, (printed, found) in change.misprints.items():
                 name, unit = {"power": ("mean_power", "W"), "velocity": ("forward_velocity", "m/s")}[what]
                 before, after = getattr(change.without, name), getattr(change.with_fin, name)
@@ -225,7 +220,7 @@ def _changes() -> Iterator[Misprint]:
 
 def _same_speed() -> Iterator[Misprint]:
     """Settings of one group with the same speed to four digits."""
-    for one, other in combinations(efficiency_trials(), 2):
+    for one, other in combinations(measured.efficiency_trials(), 2):
         if one.group == other.group and one.forward_velocity is not None:
             if one.forward_velocity == other.forward_velocity:
                 yield Misprint(

@@ -4,23 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.efficiency import run_efficiency
 from laticauda.paper.parity import ParitySettings, run_parity
 from laticauda.paper.path_following import run_path_following
-from laticauda.paper.runs import Coefficients
-from laticauda.paper.settings import (
-    EfficiencySettings,
-    PathFollowingSettings,
-    efficiency_settings,
-    path_following_settings,
-)
-from laticauda.paper.side_trials import SideSettings, run_side_trials
 from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
     "efficiency": run_efficiency,
-    "side": run_side_trials,
+    "side": side_trials.run_side_trials,
     "parity": run_parity,
 }
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
@@ -35,11 +28,11 @@ HALVES: Mapping[str, tuple[str, ...]] = {
 class Experiments:
     """Settings of every study; by default the paper's where it has any."""
 
-    efficiency: EfficiencySettings = field(default_factory=efficiency_settings)
+    efficiency: settings.EfficiencySettings = field(default_factory=settings.efficiency_settings)
     """Figs. 4 to 11 and Table 1."""
-    side: SideSettings = field(default_factory=SideSettings)
+    side: side_trials.SideSettings = field(default_factory=side_trials.SideSettings)
     """Single facts that claims of the paper rest on."""
-    path_following: PathFollowingSettings = field(default_factory=path_following_settings)
+    path_following: settings.PathFollowingSettings = field(default_factory=settings.path_following_settings)
     """Figs. 12 to 23 and Table 2."""
     parity: ParitySettings = field(default_factory=ParitySettings)
     """Whether both models agree; only with the model spatial."""
@@ -55,7 +48,7 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
     usual = Experiments()
     if parameters is None:
         return usual
-    given = Coefficients.of(parameters)
+    given = runs.Coefficients.of(parameters)
     others = [one for one in usual.efficiency.models if one.name != given.name]
     return Experiments(
         efficiency=replace(usual.efficiency, models=(given, *others)),

@@ -12,28 +12,25 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
+from laticauda import packaging, scenarios
 from laticauda.errors import one_of, whole
 from laticauda.files import write
-from laticauda.packaging import __version__
 from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.repeats import Repeat
+from laticauda.paper.report import efficiency, experiments, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
-from laticauda.paper.report.efficiency import efficiency_chapter
-from laticauda.paper.report.experiments import HALVES, RUNS, Experiments
 from laticauda.paper.report.parity import parity_chapter
-from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.scenarios import Model, ModelChanges, model_of, settings_of
 
-STUDIES = tuple(HALVES)
+STUDIES = tuple(experiments.HALVES)
 """The halves of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
-    "efficiency": ("Locomotion efficiency", efficiency_chapter),
-    "path_following": ("Path following", path_following_chapter),
+    "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
+    "path_following": ("Path following", path_following.path_following_chapter),
     "parity": ("Planar against spatial model", parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
@@ -73,14 +70,14 @@ class _Done(NamedTuple):
 
 def reproduce(
     folder: str | Path,
-    settings: Experiments | None = None,
+    settings: experiments.Experiments | None = None,
     *,
     only: str | None = None,
-    model: Model | str = "planar",
+    model: scenarios.Model | str = "planar",
     repeats: Sequence[Repeat] = (),
     workers: int = 1,
     progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
+    **changes: Unpack[scenarios.ModelChanges],
 ) -> Reproduction:
     """Run the paper's studies and write everything into a folder.
 
@@ -108,10 +105,10 @@ def reproduce(
     whole("workers", workers, 1)
     folder = writable_folder(folder)
     report = paper_templates().get_template("report.html")
-    settings = settings or Experiments()
-    by = model_of(model, **changes)
-    how = settings_of(by)
-    names = [name for name in RUNS if only is None or name in HALVES[only]]
+    settings = settings or experiments.Experiments()
+    by = scenarios.model_of(model, **changes)
+    how = scenarios.settings_of(by)
+    names = [name for name in experiments.RUNS if only is None or name in experiments.HALVES[only]]
     do = partial(_do, settings, by, folder, repeats)
     done = _run(do, [name for name in names if name != "parity" or how["model"] == "spatial"], workers, progress)
     results = {name: part.study for name, part in done.items()}
@@ -122,7 +119,7 @@ def reproduce(
     text = report.render(
         title=TITLE,
         coefficients=settings.efficiency.models[0].title,
-        version=__version__,
+        version=packaging.__version__,
         model=how["model"],
         joints=how["joints"],
         summary=first,
@@ -146,8 +143,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
     predictors = {name: scores(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.figures import style
-        from laticauda.figures.identification import parity
+        from laticauda.figures import identification, style
 
         shown = {
             f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
@@ -155,7 +151,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
             for one in (first, *[other for other in others if other.n_fitted and not other.is_null][:1])
         }
         figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
-        ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
+        ax = identification.parity(shown, figure.subplots(), what="forward velocity [m/s]")
         ax.set(ylabel="simulated forward velocity [m/s]")
         style.legend(ax, loc="upper left")
         yield "speeds", "Speeds of the robot against those simulated.", figure
@@ -235,8 +231,8 @@ def _run(
 
 
 def _do(
-    settings: Experiments,
-    model: Model,
+    settings: experiments.Experiments,
+    model: scenarios.Model,
     folder: Path,
     repeats: Sequence[Repeat],
     name: str,
@@ -244,7 +240,7 @@ def _do(
 ) -> _Done:
     """Run one study and write its part of the folder."""
     what = name.replace("_", " ")
-    study = RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
+    study = experiments.RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
     if name not in CHAPTERS:
         return _Done(study, [], "")
     more = {"repeats": repeats} if name == "efficiency" else {}
