@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import njit
 
 import laticauda as lc
 from laticauda.codec import decode, encode
-from laticauda.fluid.flow import Flow, FunctionFlow, Sum, rows_of
+from laticauda.compiling.flows import summed
+from laticauda.compiling.lane_types import rows_of as rows_of_lanes
+from laticauda.fluid.flow import Flow, FunctionFlow, Steady, Sum, rows_of
 from laticauda.quantities import quantity, value
 from laticauda.robot import Current, load_robot, load_water
 
@@ -76,6 +79,42 @@ def test_a_water_with_a_flow_goes_through_files():
     assert decode(type(class_water), table) == class_water
     assert decode(Current, [0.1, 0.2]) == (0.1, 0.2)
     assert decode(Current, {"kind": "swirl", "rate": 0.1}) == Swirl(rate=0.1)
+
+
+FLOWS = {
+    "sum of two kinds": Swirl(v_x=0.1) + Steady(u=0.2) + Swirl(rate=0.4),
+    "rankine": Flow.named("rankine")(circulation=0.3, core=0.2, x=0.1),
+    "lamb-oseen": Flow.named("lamb-oseen")(circulation=0.3, core=0.2, viscosity=1e-3),
+    "karman-street": Flow.named("karman-street")(pairs=3),
+    "turbulence": Flow.named("turbulence")(modes=5, mean=(0.1, 0.0, 0.0), evolution=1.0),
+}
+
+
+@pytest.mark.parametrize("flow", FLOWS.values(), ids=FLOWS)
+def test_what_kernels_compute_of_a_flow_is_what_python_does_in_numbers_and_in_lanes(flow):
+    rows = rows_of(flow)
+    motion, lanes = summed(rows.kinds, 16), rows_of_lanes(8)
+
+    @njit(error_model="numpy")
+    def alone(S, x, y, z, t):
+        return motion(S, 0, x, y, z, t)
+
+    @njit(error_model="numpy")
+    def together(flat, places, out):
+        S, P, found = lanes(flat), lanes(places), lanes(out)
+        for k, one in enumerate(motion(S, 0, P[0], P[1], P[2], P[3])):
+            found[k] = one
+
+    places = np.random.default_rng(1).uniform(-2.0, 2.0, (4, 8))
+    out = np.zeros((16, 8))
+    together(np.repeat(rows.numbers[:, np.newaxis], 8, axis=1), places, out)
+    turned = rows.numbers + 0j
+    for lane, place in enumerate(places.T):
+        known = flow.motion(*place)
+        assert alone(rows.numbers, *place) == pytest.approx(tuple(known), rel=1e-9, abs=1e-12)
+        assert tuple(out[:, lane]) == pytest.approx(tuple(known), rel=1e-9, abs=1e-12)
+        slope = np.imag(alone(turned, place[0] + 1e-30j, *place[1:])[0]) / 1e-30
+        assert slope == pytest.approx(known.u_x, abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -23,9 +23,11 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law
-from laticauda.quantities import option, quantities_of, value
+from laticauda.quantities import option, quantities_of, quantity, value
 
-FLOWS: dict[str, str] = {}
+FLOWS = dict.fromkeys(("rankine", "lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
+    "turbulence": "laticauda.fluid.turbulence"
+}
 """Where the flows are that come with the package; they are imported when one is named."""
 
 
@@ -200,6 +202,24 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
             if isinstance(number := getattr(self, name), int | float)
         ]
         return ", ".join([name_of(type(self)).replace("-", " "), *told])
+
+
+@value
+class Steady(Flow):
+    """Water that moves as one, as a part of other flows; alone, its three numbers say the same."""
+
+    u: float = quantity("m/s", "Velocity along x", default=0.0)
+    v: float = quantity("m/s", "Along y", default=0.0)
+    w: float = quantity("m/s", "Upward", default=0.0)
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """The motion of the water, see `Flow.__call__`."""
+        return self.u, self.v, self.w, *(0.0,) * 13
+
+    @property
+    def constant(self) -> tuple[float, float, float]:
+        """Its velocity [m/s]."""
+        return self.u, self.v, self.w
 
 
 @value
