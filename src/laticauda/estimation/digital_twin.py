@@ -11,13 +11,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from laticauda import gaits, interfaces, scenarios
 from laticauda.actuation.laws import Prescribed
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
-from laticauda.gaits import lateral_undulation
-from laticauda.interfaces import Command, Start
 from laticauda.robot import Robot
-from laticauda.scenarios import Spatial
 
 Vector: TypeAlias = NDArray[np.float64]
 
@@ -25,7 +23,7 @@ Vector: TypeAlias = NDArray[np.float64]
 ASTRAY = 0.5  # rad
 ASTRAY_TIME = 1.0  # s
 # References leave no part to the gait.
-STILL = lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+STILL = gaits.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 # A plant that leaves these bounds has diverged.
 FASTEST = 10.0  # m/s
 FASTEST_TURN = 50.0  # rad/s
@@ -71,7 +69,7 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
         return
     instance("plant", plant, Plant)
     n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
-    if n != expected or (plant.robot.n_joints != n and isinstance(plant.settings, Spatial)):
+    if n != expected or (plant.robot.n_joints != n and isinstance(plant.settings, scenarios.Spatial)):
         raise BadArgument("plant", f"must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}")
     if isinstance(plant.settings.joints, Prescribed):
         raise BadArgument("plant", "must have joints that follow references, `pd` or `servo`, got 'prescribed'")
@@ -84,7 +82,7 @@ def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
         plant: What runs beside the filter.
         reference: The first references [rad].
     """
-    state = plant.init(Start(), _held(reference))
+    state = plant.init(interfaces.Start(), _held(reference))
     observation = plant.observe(state)
     return TwinState(
         plant=state,
@@ -149,5 +147,5 @@ def step_twin(
     )
 
 
-def _held(reference: Vector, fin: tuple[float, ...] = ()) -> Command:
-    return Command(gait=STILL, references=(*reference.tolist(), *fin))
+def _held(reference: Vector, fin: tuple[float, ...] = ()) -> interfaces.Command:
+    return interfaces.Command(gait=STILL, references=(*reference.tolist(), *fin))

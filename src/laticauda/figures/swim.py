@@ -15,9 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
 from laticauda.figures.path import extent, path_strip
-from laticauda.trial import Trial, measured_counterpart
-from laticauda.trial.cycles import cycle_middles, interpolated
-from laticauda.trial.following import nearest_points
+from laticauda.trial import Trial, cycles, following, measured_counterpart
 
 Series = Float[np.ndarray, "n_samples ..."]
 
@@ -163,11 +161,11 @@ def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
     if trial.period is None:
         return None
     try:
-        middle = cycle_middles(trial.time, trial.period)
+        middle = cycles.cycle_middles(trial.time, trial.period)
     except ValueError:  # too short a run, or too few samples
         return None
     log = trial.time, trial.center_of_mass, trial.center_of_mass_velocity
-    before, after = (interpolated(*log, middle + shift * trial.period) for shift in (-0.5, 0.5))
+    before, after = (cycles.interpolated(*log, middle + shift * trial.period) for shift in (-0.5, 0.5))
     return middle, np.linalg.norm(after - before, axis=1) / trial.period
 
 
@@ -205,7 +203,7 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
         ax: Where to draw.
     """
     path_strip(trial, ax)
-    ax.plot(*nearest_points(trial).T, zorder=0.5, **style.AIM)
+    ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
     return ax
 
 

@@ -13,10 +13,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from laticauda.codec import BadKey, check_keys, decode, keys_of
+from laticauda import codec, files, protocol
 from laticauda.errors import BadArgument, LaticaudaError, one_of
-from laticauda.files import read_toml
-from laticauda.protocol import EVERY_NODE, N_NODES
 from laticauda.quantities import option, quantity, value
 
 KINDS = {
@@ -46,14 +44,14 @@ class Fault:
     kind: str = option("Which; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
     time: float = quantity("s", "When, by the lab's clock", ge=0.0, default=0.0)
     duration: float = quantity("s", "How long; infinite: to the end", ge=0.0, default=math.inf)
-    node: int = quantity("", "Where; 0: everywhere", ge=0, le=N_NODES, default=EVERY_NODE)
+    node: int = quantity("", "Where; 0: everywhere", ge=0, le=protocol.N_NODES, default=protocol.EVERY_NODE)
     share: float = quantity("", "Of frames that are lost, or corrupted", ge=0.0, le=1.0, default=0.1)
     delay: float = quantity("s", "Of late frames", ge=0.0, default=0.1)
     temperature: float = quantity("deg C", "Of the motor", ge=-273.15, le=1000.0, default=95.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        if self.node != EVERY_NODE and self.kind not in ON_NODES:
+        if self.node != protocol.EVERY_NODE and self.kind not in ON_NODES:
             raise BadArgument("node", f"must be left out for `{self.kind}`, got {self.node}")
 
     def is_on(self, time: float) -> bool:
@@ -89,9 +87,9 @@ class Faults:
         """See which are on at `time` [s]; the other questions are answered for then."""
         self.present = tuple(fault for fault in self._all if fault.is_on(time))
 
-    def on(self, kind: str, node: int = EVERY_NODE) -> Fault | None:
+    def on(self, kind: str, node: int = protocol.EVERY_NODE) -> Fault | None:
         """A fault of `kind` that is there now, at `node` or everywhere; None: there is none."""
-        return next((one for one in self.present if one.kind == kind and one.node in (EVERY_NODE, node)), None)
+        return next((one for one in self.present if one.kind == kind and one.node in (protocol.EVERY_NODE, node)), None)
 
 
 def load_faults(path: str | Path) -> tuple[Fault, ...]:
@@ -103,10 +101,10 @@ def load_faults(path: str | Path) -> tuple[Fault, ...]:
     Raises:
         FaultFileError: If anything is wrong with it; the message has the file, the entry, the rule and the value.
     """
-    table = read_toml(path, FaultFileError)
-    with keys_of(path, FaultFileError):
-        check_keys(table, ("faults",))
-        return decode(tuple[Fault, ...], table.get("faults", []), "faults")
+    table = files.read_toml(path, FaultFileError)
+    with codec.keys_of(path, FaultFileError):
+        codec.check_keys(table, ("faults",))
+        return codec.decode(tuple[Fault, ...], table.get("faults", []), "faults")
 
 
 def fault_from_words(text: str, now: float) -> Fault:
@@ -132,6 +130,6 @@ def fault_from_words(text: str, now: float) -> Fault:
         except ValueError:
             raise BadArgument(key, f"must be a number, got {value!r}") from None
     try:
-        return decode(Fault, {**entry, "kind": words[0]})
-    except BadKey as error:
+        return codec.decode(Fault, {**entry, "kind": words[0]})
+    except codec.BadKey as error:
         raise BadArgument(error.key, error.rule) from None

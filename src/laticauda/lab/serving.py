@@ -12,14 +12,12 @@ from typing import Any
 from laticauda.errors import positive
 from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.lab.tank import Tank
-from laticauda.protocol import BusAddress, open_bus
+from laticauda.protocol import BusAddress, open_bus, qtm, worker
 from laticauda.protocol.can import python_can
 from laticauda.protocol.meter import LineReader
-from laticauda.protocol.qtm import PORT
-from laticauda.protocol.worker import Worker
 
 
-class SerialLine(Worker[None]):
+class SerialLine(worker.Worker[None]):
     """Answers lines; its `path` is what pyserial opens.
 
     Args:
@@ -86,7 +84,7 @@ class Lab:
     """
 
     def __init__(
-        self, tank: Tank, *, bus: BusAddress, host: str = LOOPBACK, port: int = PORT, speed: float = 1.0
+        self, tank: Tank, *, bus: BusAddress, host: str = LOOPBACK, port: int = qtm.PORT, speed: float = 1.0
     ) -> None:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0

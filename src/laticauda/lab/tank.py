@@ -11,10 +11,8 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
-from laticauda.lab.electronics import Electronics
+from laticauda.lab import electronics, instruments, nodes
 from laticauda.lab.faults import KINDS, Fault, Faults, fault_from_words
-from laticauda.lab.instruments import Cameras, Multimeter
-from laticauda.lab.nodes import Node, Senses
 from laticauda.lab.settings import LabSettings
 from laticauda.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
@@ -44,10 +42,10 @@ class Tank:
         self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
         motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
-        self.electronics = Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
-        self.cameras = Cameras(self.settings.mocap, cameras)
-        self.meter = Multimeter(self.settings.supply, supply)
-        self.nodes = [Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
+        self.electronics = electronics.Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
+        self.cameras = instruments.Cameras(self.settings.mocap, cameras)
+        self.meter = instruments.Multimeter(self.settings.supply, supply)
+        self.nodes = [nodes.Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
         self.time = 0.0
         self._ticks = self._frames = 0
         self._leaks = np.zeros(len(joints), dtype=bool)
@@ -154,7 +152,7 @@ class Tank:
         for identifier, data in due:
             self._deliver(identifier, data, None)
 
-    def _transmit(self, node: Node, messages: Iterable[CanMessage]) -> None:
+    def _transmit(self, node: nodes.Node, messages: Iterable[CanMessage]) -> None:
         for message in messages:
             wire = encode(message)
             if self.faults.present:
@@ -221,7 +219,7 @@ class Tank:
             else:
                 self._jammed.setdefault(i, float(self.truth.joint_angle[i]))
 
-    def _read(self) -> list[Senses]:
+    def _read(self) -> list[nodes.Senses]:
         return self.electronics.read(self.truth, self._leaks)
 
     def _is_hit(self, kind: str, number: int) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from importlib.metadata import version
 from typing import Any
 
@@ -19,7 +18,7 @@ from laticauda.trial.arrays import Samples, times
 
 FASTEST = 5.0  # robot lengths per second; what is faster has another unit
 SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
-LARGEST_BEND = math.pi  # [rad]
+LARGEST_BEND = np.pi  # [rad]
 ORDER = 3  # of the polynomials whose slopes are rates
 
 Columns = Float[np.ndarray, "n_samples n_columns"]

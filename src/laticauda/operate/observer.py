@@ -4,7 +4,6 @@ Everything is taken by the time at which it came, so nothing has to be known abo
 the time of a virtual tank goes. Rates are then by our clock, too.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,9 +36,9 @@ class ObserverState:
     """When observing began [s]."""
     largest_node: int = 0
     """Greatest number of a module that was heard; the robot may have fewer [-]."""
-    frame_time: float = -math.inf
+    frame_time: float = -np.inf
     """When the cameras sent their last frame [s]."""
-    tracked_time: float = -math.inf
+    tracked_time: float = -np.inf
     """When they saw the robot last [s]."""
 
 

@@ -4,7 +4,6 @@ It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation
 of sweeps, beside the maxima of the simulated ones. How far off the speeds are is computed in `scores`.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -137,7 +136,7 @@ class Maximum:
         Args:
             model: Its place.
         """
-        return math.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
+        return np.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:

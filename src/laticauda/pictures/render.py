@@ -15,10 +15,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
-from laticauda.pictures import lines
+from laticauda.pictures import lines, replay, stage
 from laticauda.pictures.camera import Film, ripple_period, view
-from laticauda.pictures.replay import posture_at, studio_of
-from laticauda.pictures.stage import Picture, check_offscreen
 from laticauda.trial import Trial
 
 # Of the words: margin and sizes in heights of the picture, and colors.
@@ -64,7 +62,7 @@ def video(
     count = math.floor((end - begin) / step + 1e-9) + 1
     moments = [min(begin + k * step, end) for k in range(count)]
 
-    def shown() -> Iterator[Picture]:
+    def shown() -> Iterator[stage.Picture]:
         for moment, picture in zip(moments, pictures(trial, film, moments, speed, beside), strict=True):
             yield picture
             if progress is not None:
@@ -98,7 +96,7 @@ def still(
 
 def pictures(
     trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0, beside: Sequence[Trial] = ()
-) -> Iterator[Picture]:
+) -> Iterator[stage.Picture]:
     """Pictures of a trial, words included.
 
     Args:
@@ -108,7 +106,7 @@ def pictures(
         speed: What the words say of the film's [-].
         beside: Of other robots in the same scene.
     """
-    with closing(studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
+    with closing(replay.studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
         height, width = studio.height, LINE * film.size[0]
         path = lines.path_dashes(trial, height)
         for time in moments:
@@ -118,7 +116,7 @@ def pictures(
                 lines.draw_trail(scene, trial, time, height, width)
 
             camera = view(trial, time, height, film)
-            posture, *others = [posture_at(one, time, height) for one in (trial, *beside)]
+            posture, *others = [replay.posture_at(one, time, height) for one in (trial, *beside)]
             picture = studio.picture(posture, camera, decorate, others)
             figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
             yield write_words(picture, figures, words(trial, speed))
@@ -127,7 +125,7 @@ def pictures(
 def check_video() -> None:
     """Refuse a video that cannot be made here, before there is a trial to show; errors as for `video`."""
     ffmpeg()
-    check_offscreen()
+    stage.check_offscreen()
 
 
 def speed_at(trial: Trial, time: float) -> float:
@@ -157,7 +155,7 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
     return lines
 
 
-def write_words(picture: Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> Picture:
+def write_words(picture: stage.Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> stage.Picture:
     """The picture with its words.
 
     Args:
@@ -223,7 +221,7 @@ def ffmpeg() -> str:
 
 
 def write_video(
-    pictures: Iterable[Picture], path: str | Path, *, size: tuple[int, int], frames_per_second: float
+    pictures: Iterable[stage.Picture], path: str | Path, *, size: tuple[int, int], frames_per_second: float
 ) -> None:
     """Write pictures to an MP4 file (H.264, yuv420p); an older file is replaced when all is written.
 

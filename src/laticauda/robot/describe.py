@@ -7,11 +7,8 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TypeVar
 
-from laticauda.robot.body import Actuator, Joint, Module
-from laticauda.robot.effectors import CaudalFin, Mounted
-from laticauda.robot.environment import Ground, Water
+from laticauda.robot import body, effectors, environment, textbook
 from laticauda.robot.robot import Robot
-from laticauda.robot.textbook import textbook_water
 
 Row = tuple[str, str]
 T = TypeVar("T")
@@ -30,11 +27,11 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
     }
 
 
-def describe(thing: Robot | Water | Ground) -> str:
+def describe(thing: Robot | environment.Water | environment.Ground) -> str:
     """All that is known of `thing`, a robot, a water or a ground: one fact a line, like facts aligned."""
     if isinstance(thing, Robot):
         rows = _robot_rows(thing)
-    elif isinstance(thing, Water):
+    elif isinstance(thing, environment.Water):
         rows = _water_rows(thing)
     else:
         rows = _ground_rows(thing)
@@ -72,7 +69,7 @@ def _robot_rows(robot: Robot) -> list[Row]:
     tether = robot.tether
     if tether.drag or any(tether.force):
         rows.append(("tether", f"drag {tether.drag:g} kg/m, force ({tether.force[0]:g}, {tether.force[1]:g}) N"))
-    book = textbook_water(robot)
+    book = textbook.textbook_water(robot)
     rows.append(("surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"))
     for name, (low, high) in book.intervals.items():
         number = attrgetter(name.removeprefix("water."))(book.water)
@@ -85,7 +82,7 @@ def _robot_rows(robot: Robot) -> list[Row]:
     return rows
 
 
-def _module(module: Module) -> str:
+def _module(module: body.Module) -> str:
     section = module.section
     parts = [
         f"{module.length:g} m, {module.mass:g} kg",
@@ -98,12 +95,12 @@ def _module(module: Module) -> str:
     return ", ".join([*parts, *_own(module, "tangential_friction", "normal_drag", "added_mass", "added_inertia")])
 
 
-def _own(part: Module | CaudalFin, *names: str) -> list[str]:
+def _own(part: body.Module | effectors.CaudalFin, *names: str) -> list[str]:
     """Coefficients that a part has of its own."""
     return [f"{name} {getattr(part, name):g}" for name in names if getattr(part, name) is not None]
 
 
-def _joint_rows(joints: Sequence[Joint]) -> list[Row]:
+def _joint_rows(joints: Sequence[body.Joint]) -> list[Row]:
     if not joints:
         return []
     axes = "".join(joint.axis[0] for joint in joints)  # y and p, tail first
@@ -114,7 +111,7 @@ def _joint_rows(joints: Sequence[Joint]) -> list[Row]:
         rows.append(("axes", f"yaw and pitch in turn, {joints[0].axis} at the tail"))
     else:
         rows.append(("axes", f"{axes} from the tail (y yaw, p pitch)"))
-    for place, joint in _runs([replace(joint, axis="yaw", actuator=Actuator()) for joint in joints]):
+    for place, joint in _runs([replace(joint, axis="yaw", actuator=body.Actuator()) for joint in joints]):
         text = f"to {_degrees(joint.limit)} on either side"
         if joint.stiffness or joint.damping:
             text += f", skin {joint.stiffness:g} N m/rad and {joint.damping:g} N m s/rad"
@@ -122,7 +119,7 @@ def _joint_rows(joints: Sequence[Joint]) -> list[Row]:
     return rows
 
 
-def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
+def _actuator_rows(name: str, actuator: body.Actuator) -> list[Row]:
     servo = (
         f"stall torque {actuator.stall_torque:g} N m, no-load speed {actuator.no_load_speed:g} rad/s, "
         f"gain {actuator.servo_gain:g} 1/rad, {actuator.voltage:g} V, stall current {actuator.stall_current:g} A"
@@ -137,7 +134,7 @@ def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
     return [*rows, (f"{name}, pd", gains), (f"{name}, servo", servo)]
 
 
-def _fin(fin: CaudalFin) -> str:
+def _fin(fin: effectors.CaudalFin) -> str:
     opening = f"opening of {fin.opening_length:g} m" if fin.opening == "open" else "no opening"
     parts = [f"{fin.length:g} m long, {fin.height:g} m high, {opening}, {fin.mass:g} kg, {fin.n_strips} strips"]
     parts += _own(fin, "tangential_friction", "normal_drag", "added_mass")
@@ -151,7 +148,7 @@ def _fin(fin: CaudalFin) -> str:
     return ", ".join(parts)
 
 
-def _mount(one: Mounted) -> str:
+def _mount(one: effectors.Mounted) -> str:
     """Direction and place of an effector."""
     out = "".join(f", {name} {_degrees(getattr(one, name))}" for name in ("elevation", "roll") if getattr(one, name))
     place = ", ".join(f"{part:g}" for part in (one.position if one.z else one.position[:2]))
@@ -162,7 +159,7 @@ def _most(limit: float | None, unit: str) -> str:
     return "" if limit is None else f" (driven, to {limit:g} {unit})"
 
 
-def _water_rows(water: Water) -> list[Row]:
+def _water_rows(water: environment.Water) -> list[Row]:
     return [
         ("water", water.name),
         ("density", f"{water.density:g} kg/m^3"),
@@ -179,7 +176,7 @@ def _water_rows(water: Water) -> list[Row]:
     ]
 
 
-def _ground_rows(ground: Ground) -> list[Row]:
+def _ground_rows(ground: environment.Ground) -> list[Row]:
     unit = " of the weight" if ground.friction.of_weight else " N s/m per link"
     return [
         ("ground", ground.name),

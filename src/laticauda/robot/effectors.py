@@ -13,7 +13,6 @@ so M goes as (1 - s)^2 there whatever the load, and the integrand as (1 - s)^4. 
 rule of weight (1 - s)^4: exact for (1 - s)^4 times any polynomial up to degree 2 m - 1, with m hinges.
 """
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -205,7 +204,7 @@ class PectoralFin(Mounted):
 
     area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
     lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before the stall", ge=0.0)
-    stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=math.pi / 2.0)
+    stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=np.pi / 2.0)
     stall_sharpness: float = quantity("", "How sudden the stall is", gt=0.0, default=50.0)
     parasitic_drag: float = quantity("", "Drag coefficient without lift", ge=0.0, default=0.0)
     deflection: float = quantity("rad", "Of the chord about its z axis, where no command says it", default=0.0)

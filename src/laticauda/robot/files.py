@@ -15,18 +15,16 @@ from os import sep
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, overload
 
+from laticauda import files, gaits
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
 from laticauda.errors import BadArgument, RobotFileError, nearest
-from laticauda.files import parse_toml, read_toml
-from laticauda.gaits import JointAngles
-from laticauda.robot.environment import Ground, Water
+from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
-from laticauda.robot.textbook import TEXTBOOK, textbook_of
 
-Described: TypeAlias = Robot | Water | Ground
-Kind = TypeVar("Kind", Robot, Water, Ground)
+Described: TypeAlias = Robot | environment.Water | environment.Ground
+Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground)
 
-KINDS: dict[str, type[Described]] = {"robot": Robot, "water": Water, "ground": Ground}
+KINDS: dict[str, type[Described]] = {"robot": Robot, "water": environment.Water, "ground": environment.Ground}
 PRESETS = Path(__file__).parent / "presets"
 _GONE = {"mamba-speed-limited": "mamba-identified"}
 FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters", "motion": "motions"}
@@ -78,7 +76,7 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
     """
     path = source if isinstance(source, Path) else None
     shown = "<text>" if path is None else str(path)
-    table = parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
+    table = files.parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
     return _build(*_complete(table, shown, path, kind, ()), shown)
 
 
@@ -88,7 +86,7 @@ def read_table(path: Path) -> Table:
     Raises:
         RobotFileError: If it cannot be read, or is no TOML.
     """
-    return read_toml(path, RobotFileError, missing=RobotNotFound)
+    return files.read_toml(path, RobotFileError, missing=RobotNotFound)
 
 
 def preset_names(kind: str) -> tuple[str, ...]:
@@ -204,7 +202,7 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
     return robot if n_links is None else robot.with_links(n_links)
 
 
-def load_water(name_or_path: str | Path, robot: Robot | None = None) -> Water:
+def load_water(name_or_path: str | Path, robot: Robot | None = None) -> environment.Water:
     """Load water.
 
     Args:
@@ -218,12 +216,12 @@ def load_water(name_or_path: str | Path, robot: Robot | None = None) -> Water:
         >>> load_water("paper-lateral").normal_drag
         1.75
     """
-    if name_or_path == TEXTBOOK and robot is not None:
-        return textbook_of(robot)
+    if name_or_path == textbook.TEXTBOOK and robot is not None:
+        return textbook.textbook_of(robot)
     return _load(name_or_path, "water")
 
 
-def load_ground(name_or_path: str | Path) -> Ground:
+def load_ground(name_or_path: str | Path) -> environment.Ground:
     """Load ground.
 
     Args:
@@ -235,7 +233,7 @@ def load_ground(name_or_path: str | Path) -> Ground:
     return _load(name_or_path, "ground")
 
 
-def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> JointAngles:
+def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> gaits.JointAngles:
     """Load a recorded motion.
 
     Args:
@@ -246,7 +244,7 @@ def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> J
         RobotNotFound: If there is none.
         TrialFileError: If its file is wrong.
     """
-    return JointAngles.read(find(name_or_path, "motion", folder))
+    return gaits.JointAngles.read(find(name_or_path, "motion", folder))
 
 
 def _load(name_or_path: object, kind: str) -> Any:

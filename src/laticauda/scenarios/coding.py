@@ -9,14 +9,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, cast
 
-from laticauda import files
+from laticauda import extensions, files, gaits, robot
 from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped, take_kind
 from laticauda.errors import RobotFileError
-from laticauda.extensions import Unknown, name_of
-from laticauda.gaits import Gait
 from laticauda.interfaces import Controller
 from laticauda.quantities import hints_of
-from laticauda.robot import Ground, Robot, Water, from_toml
 from laticauda.scenarios.scenario import Experiment, Scenario
 
 KINDS: dict[str, type[Scenario] | type[Experiment]] = {"scenario": Scenario, "experiment": Experiment}
@@ -32,11 +29,11 @@ def run_to_toml(run: Scenario | Experiment) -> str:
     """
     import tomli_w
 
-    table = stamped(name_of(type(run)), {})
+    table = stamped(extensions.name_of(type(run)), {})
     for field in fields(run):
         value, hint = getattr(run, field.name), hints_of(type(run))[field.name]
-        if isinstance(value, Robot | Water | Ground):
-            table[field.name] = stamped(name_of(type(value)), encode(value))
+        if isinstance(value, robot.Robot | robot.Water | robot.Ground):
+            table[field.name] = stamped(extensions.name_of(type(value)), encode(value))
         elif field.name == "motion" and isinstance(value, Controller):
             table["controller"] = _stored(cast("Controller[Any]", value))
         elif value is not None:
@@ -81,7 +78,7 @@ def run_from_table(table: Table) -> Scenario | Experiment:
         return kind(**values)
 
 
-def unknown_in(run: Scenario) -> Iterator[Unknown]:
+def unknown_in(run: Scenario) -> Iterator[extensions.Unknown]:
     """What a scenario names and nobody here defines.
 
     Args:
@@ -90,21 +87,21 @@ def unknown_in(run: Scenario) -> Iterator[Unknown]:
     yield from _unknown((run.motion, run.environment, run.model))
 
 
-def _unknown(values: tuple[Any, ...]) -> Iterator[Unknown]:
+def _unknown(values: tuple[Any, ...]) -> Iterator[extensions.Unknown]:
     for value in values:
-        if isinstance(value, Unknown):
+        if isinstance(value, extensions.Unknown):
             yield value
         elif is_dataclass(value):
             yield from _unknown(tuple(vars(value).values()))
 
 
 def _stored(controller: Controller[Any]) -> Any:
-    if is_dataclass(controller) or isinstance(controller, Unknown):
+    if is_dataclass(controller) or isinstance(controller, extensions.Unknown):
         return encode(controller, Controller)
-    return {"kind": name_of(type(controller)), "gait": encode(cast(Any, controller).gait)}
+    return {"kind": extensions.name_of(type(controller)), "gait": encode(cast(Any, controller).gait)}
 
 
-def motion_of(table: Mapping[str, Any]) -> Gait | Controller[Any]:
+def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
     """The gait or the controller that a table says; a controller that nobody here defines is kept with its gait.
 
     Args:
@@ -116,11 +113,11 @@ def motion_of(table: Mapping[str, Any]) -> Gait | Controller[Any]:
     if ("gait" in table) == ("controller" in table):
         raise BadKey("gait", "must be given, or `controller`, and not both")
     if "gait" in table:
-        return decode(Gait, table["gait"], "gait")
+        return decode(gaits.Gait, table["gait"], "gait")
     with keeping_unknown():
         controller: Any = decode(cast(Any, Controller), table["controller"], "controller")
-    if isinstance(controller, Unknown):
-        vars(controller)["gait"] = decode(Gait, controller.table.get("gait"), "controller.gait")
+    if isinstance(controller, extensions.Unknown):
+        vars(controller)["gait"] = decode(gaits.Gait, controller.table.get("gait"), "controller.gait")
     return cast("Controller[Any]", controller)
 
 
@@ -138,7 +135,7 @@ def described(given: Any) -> Any:
     if is_dataclass(given):
         return given
     try:
-        return from_toml(tomli_w.dumps(given))
+        return robot.from_toml(tomli_w.dumps(given))
     except RobotFileError as error:
         raise ValueError(str(error).removeprefix("<text>: ")) from error
 

@@ -22,13 +22,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from laticauda import files
+from laticauda import files, gaits, robot
 from laticauda.codec import BadKey, Table, arguments_of, decode, keys_of
 from laticauda.errors import RobotFileError
-from laticauda.gaits import Gait, JointAngles
-from laticauda.robot import Robot, load_joint_angles, load_robot
-from laticauda.scenarios.building import Choice, Chosen
-from laticauda.scenarios.coding import described, motion_of, run_from_table, run_to_toml
+from laticauda.scenarios import building, coding
 from laticauda.scenarios.scenario import Scenario
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
@@ -58,7 +55,7 @@ def save_scenario(scenario: Scenario, path: str | Path) -> None:
     Raises:
         StorageFailed: If it cannot be written.
     """
-    files.write(path, run_to_toml(scenario))
+    files.write(path, coding.run_to_toml(scenario))
 
 
 def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
@@ -74,8 +71,8 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
     table = dict(table)
     if isinstance(table.get("gait"), Mapping) and "recorded" in table["gait"]:
         table["gait"] = _with_recorded(table["gait"], folder)
-    motion = motion_of(table)
-    gait = motion if isinstance(motion, Gait) else motion.gait
+    motion = coding.motion_of(table)
+    gait = motion if isinstance(motion, gaits.Gait) else motion.gait
     has_parameters = "parameters" in table
     chosen = take_chosen(table, gait, folder)
     table.setdefault("robot", chosen.robot)
@@ -91,13 +88,13 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
     if has_parameters:
         model.setdefault("joints", chosen.model.joints)
     table["model"] = {"kind": "planar", **model}
-    found = run_from_table(table)
+    found = coding.run_from_table(table)
     if not isinstance(found, Scenario):
         raise BadKey("kind", 'must be "scenario" here')
     return found
 
 
-def take_chosen(table: Table, gait: Gait, folder: Path | None) -> Chosen:
+def take_chosen(table: Table, gait: gaits.Gait, folder: Path | None) -> building.Chosen:
     """Take from a table what it says in `NAMES`, and say what that stands for.
 
     Args:
@@ -114,9 +111,9 @@ def take_chosen(table: Table, gait: Gait, folder: Path | None) -> Chosen:
             named[name] = str(folder / one)
     with arguments_of(""):
         if "robot" in table:
-            table["robot"] = described(table["robot"])
-        own: Robot | None = table.get("robot")
-        return Choice(**named).resolved(gait, lambda name, n: own or load_robot(name, n))
+            table["robot"] = coding.described(table["robot"])
+        own: robot.Robot | None = table.get("robot")
+        return building.Choice(**named).resolved(gait, lambda name, n: own or robot.load_robot(name, n))
 
 
 def _with_recorded(table: Table, folder: Path | None) -> Table:
@@ -124,9 +121,9 @@ def _with_recorded(table: Table, folder: Path | None) -> Table:
     given = table["recorded"]
     if isinstance(given, str):
         with arguments_of("gait.recorded"):
-            angles = load_joint_angles(given, folder)
+            angles = robot.load_joint_angles(given, folder)
     else:
-        angles = decode(JointAngles, given, "gait.recorded")
+        angles = decode(gaits.JointAngles, given, "gait.recorded")
     usual = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
     left = {name: one for name, one in usual.items() if not any(key.startswith(name + "_deg") for key in table)}
     return {**left, **table, "recorded": angles}

@@ -14,16 +14,13 @@ from typing import NamedTuple, Unpack
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda import interfaces, robot
 from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Start
-from laticauda.planar.batch import STEP, Run
-from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Robot
+from laticauda.planar import batch, model
 from laticauda.scenarios import ModelChanges, Scenario
-from laticauda.simulate.many import Collected, Look, batch_of, collected, runs_of
+from laticauda.simulate import many, runner
 from laticauda.simulate.numbers import UNITS, Parameter, changed, look_up, parameters, value_of
-from laticauda.simulate.runner import Progress
 from laticauda.trial import metrics
 
 # Points of the differences, in steps, and their weights: of order eight; four at an end of what is allowed.
@@ -77,16 +74,16 @@ class Sensitivities:
 
 
 def sensitivities(
-    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    robots: Sequence[Scenario] | robot.Robot | Sequence[robot.Robot],
     gaits: Gait | Sequence[Gait] | None = None,
     duration: float = 30.0,
     *,
     names: Sequence[str],
-    environments: Environment | Sequence[Environment] | None = None,
-    starts: Start | Sequence[Start] | None = None,
+    environments: robot.Environment | Sequence[robot.Environment] | None = None,
+    starts: interfaces.Start | Sequence[interfaces.Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: runner.Progress | None = None,
     **changes: Unpack[ModelChanges],
 ) -> Sensitivities:
     """Derivatives of the figures of one or many trials to any numbers of robot, gait and environment.
@@ -125,8 +122,8 @@ def sensitivities(
     """
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
-    scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
-    runs = runs_of(scenarios)
+    scenarios = many.batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
+    runs = many.runs_of(scenarios)
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     chosen = [_chosen(names, one) for one in scenarios]
     point = [[value_of(parameter.name, one) for parameter in chosen[0]] for one in scenarios]
@@ -144,7 +141,7 @@ def sensitivities(
         parameters=chosen[0],
         point=np.array(point),
         values=np.real(figures[:, :, 0]),
-        jacobian=np.imag(figures) / STEP,
+        jacobian=np.imag(figures) / batch.STEP,
         succeeded=found.succeeded[:: len(names)],
         status=found.status[:: len(names)],
     )
@@ -180,7 +177,7 @@ class Number:
     """What it is there."""
     change: Callable[[float], Scenario]
     """The scenario with another value: what it is not part of stays the same object; a ValueError if out of range."""
-    start: Callable[[float], Start] | None = None
+    start: Callable[[float], interfaces.Start] | None = None
     """Where the run begins with another value; None: where it did."""
 
 
@@ -193,16 +190,16 @@ class _Entry(NamedTuple):
 
 
 def slopes(
-    runs: Sequence[Run],
+    runs: Sequence[batch.Run],
     numbers: Sequence[Number],
     duration: float,
     *,
     sample_interval: float = 0.05,
     threads: int | None = None,
-    progress: Progress | None = None,
-    look: Look | None = None,
+    progress: runner.Progress | None = None,
+    look: many.Look | None = None,
     with_joints: bool = False,
-) -> Collected:
+) -> many.Collected:
     """Figures of runs and their derivatives, run i to number i: complex numbers, as those of `laticauda.planar.batch`.
 
     Args:
@@ -218,10 +215,10 @@ def slopes(
     Raises:
         ValueError: If a number cannot change on either side, or another argument is out of its range.
     """
-    derived: list[Run] = []
+    derived: list[batch.Run] = []
     weights = np.empty(len(runs), dtype=complex)
     known: dict[tuple[int, str, int], _Entry] = {}
-    extra_plants: dict[int, PlanarPlant] = {}
+    extra_plants: dict[int, model.PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name, id(run.command.gait.recorded)
         of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
@@ -232,15 +229,15 @@ def slopes(
         if entry.has_extras and not plant.layout.has_extras:
             plant = extra_plants.setdefault(id(plant), _with_extras(plant))
         derived.append(replace(run, plant=plant, slope=entry.rows))
-        weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * STEP * entry.weight
-    found = collected(
+        weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
+    found = many.collected(
         derived, duration, sample_interval, threads, progress, weights=weights, look=look, with_joints=with_joints
     )
     undefined = complex(math.nan, math.nan)
     return replace(found, figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()})
 
 
-def _entry(run: Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
+def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
     """The derivative of all that the figures are made of: the kernels' rows, and the robot's weight."""
     size = 2.0 ** math.floor(math.log2(abs(number.value))) if number.value else 1.0
     refused: ValueError | None = None
@@ -264,7 +261,7 @@ def _entry(run: Run, number: Number, differences: Sequence[Mapping[int, float]])
     )
 
 
-def _changed(run: Run, number: Number, by: float) -> _Entry:
+def _changed(run: batch.Run, number: Number, by: float) -> _Entry:
     """What a run's figures are made of when its number is another."""
     plant = run.plant
     after, before = number.change(number.value + by), number.scenario
@@ -273,13 +270,13 @@ def _changed(run: Run, number: Number, by: float) -> _Entry:
         settings = replace(plant.settings, joints=after.model.joints)
         plant = replace(plant, robot=after.robot, environment=after.environment, settings=settings)
     return _Entry(
-        rows=replace(run, plant=plant, command=Command(gait=after.gait), start=start).rows,
+        rows=replace(run, plant=plant, command=interfaces.Command(gait=after.gait), start=start).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
         has_extras=plant.layout.has_extras,
     )
 
 
-def _with_extras(plant: PlanarPlant) -> PlanarPlant:
+def _with_extras(plant: model.PlanarPlant) -> model.PlanarPlant:
     """The same plant, whose kernels look for loads that are 0 now, because their derivatives are not."""
     wider = replace(plant)
     vars(wider)["layout"] = replace(plant.layout, has_extras=True)  # where the cached property would put it

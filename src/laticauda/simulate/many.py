@@ -1,7 +1,6 @@
 """`swim_many`: the figures of many trials, computed side by side and on all cores."""
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -141,7 +140,7 @@ def swum(scenarios: Sequence[Scenario], threads: int | None, progress: Progress 
         for name in UNITS.keys() - found.keys():
             with suppress(ValueError):  # it has no meaning for this trial
                 found[name] = getattr(trial, name)
-        numbers = [found.get(name, math.nan) if trial.succeeded else math.nan for name in names]
+        numbers = [found.get(name, np.nan) if trial.succeeded else np.nan for name in names]
         return numbers, trial.succeeded, trial.status
 
     for i, one in enumerate(scenarios):
@@ -292,7 +291,7 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
     if len(robots[0].driven_joints) > robots[0].n_joints:
         log = np.concatenate((log, log[:, :, tail - 1 : tail]), axis=2)
-    periods = [2.0 * math.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
+    periods = [2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
     counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
     with np.errstate(all="ignore"):
         return feasibility.peaks(robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts)
@@ -355,9 +354,9 @@ def _start_slope(run: Run, steady: float) -> float:
 def _steady_start(time: np.ndarray, gait: Gait) -> float:
     """Where the steady part begins [s]; nan if there is none."""
     try:
-        return steady_part(time, 2.0 * math.pi / gait.frequency if gait.frequency > 0.0 else None).start
+        return steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
     except ValueError:
-        return math.nan
+        return np.nan
 
 
 def _common_length(given: Mapping[str, object]) -> int:

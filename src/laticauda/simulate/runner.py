@@ -9,14 +9,12 @@ from typing import Any, Unpack, cast
 
 import numpy as np
 
+from laticauda import gaits, packaging, series
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, SimulationFailed, instance
-from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Resumed, Start
-from laticauda.packaging import __version__
 from laticauda.robot import Robot
 from laticauda.scenarios import Changes, Experiment, Motion, Scenario, scenario
-from laticauda.series import Log, concatenated
 from laticauda.simulate.plants import plant
 from laticauda.trial import Trial
 
@@ -81,7 +79,7 @@ def run(
     state = _begun(plant, scenario.start, controller.gait)
     controller_state = controller.init()
     line = _Line(commands=[(0.0, Command(gait=controller.gait))], delay=_delay(plant, controller, start))
-    logs: list[Log] = []
+    logs: list[series.Log] = []
     signals: list[Mapping[str, float]] = []
     failure: str | None = None
     reached, now = 0, 0.0
@@ -102,11 +100,11 @@ def run(
             progress(done)
     if throw and failure is not None:
         raise SimulationFailed(failure)
-    log, said = concatenated(logs), held(signals, [part.time.size for part in logs])
+    log, said = series.concatenated(logs), held(signals, [part.time.size for part in logs])
     return Trial(
         **vars(replace(log, signals={**said, **log.signals})),
         scenario=scenario,
-        version=__version__,
+        version=packaging.__version__,
         status=failure or "The run reached its end.",
         succeeded=failure is None,
         state=plant.pack(state) if failure is None else {},
@@ -124,7 +122,7 @@ class _Line:
 
     def march(
         self, plant: Plant[Any], state: Any, command: Command, now: float, share: float, count: int, link_forces: bool
-    ) -> tuple[Any, Log, str | None]:
+    ) -> tuple[Any, series.Log, str | None]:
         """Let a stretch of time go by at whose begin a command is given; see `Plant.march`."""
         self.commands.append((now + self.delay, command))
         while len(self.commands) > 1 and self.commands[1][0] <= now + CLOSE:
@@ -135,7 +133,7 @@ class _Line:
             return plant.march(state, self.commands[0][1], share, interval, link_forces=link_forces)
         samples = [i * interval for i in range(count + 1)]
         between = [turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE]
-        logs, failure = list[Log](), None
+        logs, failure = list[series.Log](), None
         for begin, end in pairwise(sorted([*samples, *between])):
             acting = sum(turn <= begin + CLOSE for turn in turns)
             step = end - begin
@@ -143,7 +141,7 @@ class _Line:
             logs.append(log.at(slice(1 if logs else 0, None if end in samples else -1)))
             if failure is not None:
                 break
-        return state, concatenated(logs), failure
+        return state, series.concatenated(logs), failure
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
@@ -174,7 +172,7 @@ def check_size(duration: float, sample_interval: float) -> None:
         )
 
 
-def _begun(plant: Plant[Any], start: Start | Resumed, gait: Gait) -> Any:
+def _begun(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:
     """The plant's first state: that of a start, or the one at which a trial ended."""
     if isinstance(start, Resumed):
         return plant.unpack({name: np.array(one) for name, one in start.state.items()})

@@ -5,27 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 
+from laticauda import interfaces, robot
 from laticauda.dynamics import school
 from laticauda.dynamics.plant import PlantState
-from laticauda.interfaces import Observation, Start
-from laticauda.robot import has_power_model
-from laticauda.spatial import rows
-from laticauda.spatial.model import SpatialPlant
+from laticauda.spatial import model, rows
 
 WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, phase shift, offset
 
 
-class School(school.School[SpatialPlant]):
+class School(school.School[model.SpatialPlant]):
     """Robots in space, whose marches let go of the interpreter. Arguments are those of the base."""
 
     usual_threads = school.usable_cores()
 
     def _begin(self, threads: int) -> Sequence[range]:
         plant, n = self.plant, self.n
-        own: list[SpatialPlant] = [plant] + [replace(plant) for _ in range(1, min(threads, n))]
+        own: list[model.SpatialPlant] = [plant] + [replace(plant) for _ in range(1, min(threads, n))]
         self._bodies = [own[i % len(own)] for i in range(n)]
-        self._states = [plant.init(Start(), self.command)] * n
-        self._work = rows.WORK_ABSOLUTE + (3 if has_power_model(plant.robot, plant.joints) else 0)
+        self._states = [plant.init(interfaces.Start(), self.command)] * n
+        self._work = rows.WORK_ABSOLUTE + (3 if robot.has_power_model(plant.robot, plant.joints) else 0)
         return [range(first, n, len(own)) for first in range(len(own))]
 
     def state(self, which: int) -> PlantState:
@@ -34,7 +32,7 @@ class School(school.School[SpatialPlant]):
 
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
         for k, i in enumerate(map(int, which)):
-            start = Start(center_of_mass=tuple(center_of_mass[k].tolist()), heading=float(heading[k]))
+            start = interfaces.Start(center_of_mass=tuple(center_of_mass[k].tolist()), heading=float(heading[k]))
             self._bodies[i] = self._bodies[i].in_current(current[k].tolist())
             self._states[i] = self._bodies[i].init(start, self.command)
 
@@ -51,7 +49,7 @@ class School(school.School[SpatialPlant]):
         self._on_threads(march)
         return well
 
-    def _look(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
+    def _look(self) -> tuple[np.ndarray, tuple[interfaces.Observation, ...]]:
         found: list[np.ndarray] = []
         seen = tuple(body.observe(state) for body, state in zip(self._bodies, self._states, strict=True))
         for one, state in zip(seen, self._states, strict=True):

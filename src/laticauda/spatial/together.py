@@ -6,13 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from laticauda import robot, series
 from laticauda.dynamics.plant import PlantState
 from laticauda.interfaces import Command, Start
-from laticauda.robot import Water
-from laticauda.series import Log
-from laticauda.spatial import rows, scene
-from laticauda.spatial.model import SpatialPlant
-from laticauda.spatial.twin import Twin
+from laticauda.spatial import model, rows, scene, twin
 
 
 class Together:
@@ -22,11 +19,11 @@ class Together:
         plants: Each alone with its robot, settings and scene, which is the same for all.
     """
 
-    def __init__(self, plants: Sequence[SpatialPlant]) -> None:
+    def __init__(self, plants: Sequence[model.SpatialPlant]) -> None:
         self.plants, first = plants, plants[0]
         others = [(plant.robot, plant.settings) for plant in plants[1:]]
-        self.twin = Twin(first.robot, first.environment, first.settings, others)
-        self._current = first.environment.uniform if isinstance(first.environment, Water) else None
+        self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
+        self._current = first.environment.uniform if isinstance(first.environment, robot.Water) else None
 
     def init(self, starts: Sequence[Start], commands: Sequence[Command]) -> list[PlantState]:
         """The states at time 0; see `Plant.init`.
@@ -45,7 +42,7 @@ class Together:
 
     def march(
         self, each: Sequence[PlantState], commands: Sequence[Command], duration: float, sample_interval: float
-    ) -> tuple[list[PlantState], list[Log], str | None]:
+    ) -> tuple[list[PlantState], list[series.Log], str | None]:
         """Many steps at once; see `Plant.march`.
 
         Args:

@@ -10,11 +10,9 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from laticauda.angles import from_quaternion
+from laticauda import angles, files, scenarios
 from laticauda.errors import BadArgument, instance
-from laticauda.files import write
 from laticauda.robot import Joint, Module, Robot
-from laticauda.scenarios import Spatial
 from laticauda.spatial.appearance import MATERIALS, checked, copied, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
 
@@ -44,7 +42,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     for body in bodies(robot):
         link = _add(root, "link", name=body.name)
         inertial, (ixx, iyy, izz) = _add(link, "inertial"), body.inertia
-        below = Spatial().ballast_depth if isinstance(body.part, Module) else 0.0
+        below = scenarios.Spatial().ballast_depth if isinstance(body.part, Module) else 0.0
         _add(inertial, "origin", xyz=(body.center, 0.0, -below))
         _add(inertial, "mass", value=body.mass)
         _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
@@ -59,7 +57,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     for mount in mounts(robot):
         _add(root, "link", name=mount.name)
         element = _connect(root, f"{mount.name}_mount", "fixed", mount.body, mount.name)
-        (ahead, _, _), (left, _, _), (up, y, z) = from_quaternion(*mount.orientation).tolist()
+        (ahead, _, _), (left, _, _), (up, y, z) = angles.from_quaternion(*mount.orientation).tolist()
         rpy = math.atan2(y, z), math.atan2(-up, math.hypot(ahead, left)), math.atan2(left, ahead)
         _add(element, "origin", xyz=mount.position, rpy=rpy)
     ET.indent(root)
@@ -79,7 +77,7 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    write(path, urdf(robot, copied(checked(meshes, robot.n_links), path)))
+    files.write(path, urdf(robot, copied(checked(meshes, robot.n_links), path)))
 
 
 def _add_module(link: ET.Element, module: Module, mesh: str | None, material: str) -> None:

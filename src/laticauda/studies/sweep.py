@@ -9,13 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.actuation.laws import Prescribed
+import laticauda as lc
 from laticauda.errors import whole
 from laticauda.quantities import option, value
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import check_whole, parameters
-from laticauda.studies.sampling import Block, Points, Samples
-from laticauda.studies.trials import Table, check_ranges, check_scenario, definition_of
+from laticauda.studies import sampling, trials
 
 # What a region should take on one core, and what a trial of ten links and 30 s takes there, roughly [s].
 REGION_TIME = 1.5
@@ -43,14 +41,14 @@ class Sweep:
         6
     """
 
-    scenario: Scenario = option("What all trials share; by the planar model")
-    points: Points = option("Which points: `Grid`, `Rows` or `Samples`")
+    scenario: lc.Scenario = option("What all trials share; by the planar model")
+    points: sampling.Points = option("Which points: `Grid`, `Rows` or `Samples`")
 
     def __post_init__(self) -> None:
         """Check what goes together."""
-        check_scenario(self.scenario)
-        check_ranges(self.scenario, self.points.ranges)
-        if not isinstance(self.points, Samples):
+        trials.check_scenario(self.scenario)
+        trials.check_ranges(self.scenario, self.points.ranges)
+        if not isinstance(self.points, sampling.Samples):
             known = parameters(self.scenario)
             for name in self.points.names:
                 check_whole(known[name], self.points.values[name])
@@ -68,12 +66,12 @@ class Sweep:
         """
         if size is None:
             s = self.scenario
-            cost = TRIAL_TIME if isinstance(s.model.joints, Prescribed) else DRIVEN_TIME
+            cost = TRIAL_TIME if isinstance(s.model.joints, lc.Prescribed) else DRIVEN_TIME
             trial = cost * s.duration / 30.0 * s.robot.n_links / 10.0
             size = int(np.clip(REGION_TIME / trial, LEAST_SIZE, MOST_SIZE))
         return cut(self.points.shape, whole("region_size", size, 1))
 
-    def tables(self, blocks: Iterable[tuple[slice, ...]]) -> Iterator[Table]:
+    def tables(self, blocks: Iterable[tuple[slice, ...]]) -> Iterator[trials.Table]:
         """The points of some regions, one after the other.
 
         Args:
@@ -84,7 +82,7 @@ class Sweep:
 
     def definition(self) -> dict[str, Any]:
         """All that its results depend on, for a file."""
-        return {**definition_of(self.scenario), "points": self.points.definition()}
+        return {**trials.definition_of(self.scenario), "points": self.points.definition()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +104,7 @@ class Regions:
         """Number of regions."""
         return math.prod(self.grid)
 
-    def at(self, index: int) -> Block:
+    def at(self, index: int) -> sampling.Block:
         """The block of one region.
 
         Args:
@@ -127,7 +125,7 @@ class Regions:
         return math.prod(extent(self.at(index)))
 
 
-def extent(block: Block) -> tuple[int, ...]:
+def extent(block: sampling.Block) -> tuple[int, ...]:
     """The shape of a block."""
     return tuple(part.stop - part.start for part in block)
 

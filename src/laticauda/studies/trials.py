@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.codec import encode
+import laticauda as lc
+from laticauda import codec, extensions, packaging
 from laticauda.errors import BadArgument, instance
-from laticauda.extensions import name_of
-from laticauda.packaging import __version__
-from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import plant
 from laticauda.simulate.many import Block, Run, collected, joint_peaks, runs_of
 from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
-from laticauda.trial import Trial
 from laticauda.trial.feasibility import NEEDS
 
 Table = Float[np.ndarray, "n_points n_names"]
@@ -24,7 +20,7 @@ Column = Shaped[np.ndarray, " n_points"]
 
 FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", "heading")), *NEEDS)
 """Those that are kept of every trial."""
-QUANTITIES = {name: (getattr(Trial, name).unit or "1", getattr(Trial, name).title) for name in FIGURES}
+QUANTITIES = {name: (getattr(lc.Trial, name).unit or "1", getattr(lc.Trial, name).title) for name in FIGURES}
 QUANTITIES["succeeded"] = ("", "whether the run reached its end")
 """What is kept of every trial: unit and title by name."""
 # Of these the least is the best, of the others the greatest.
@@ -34,36 +30,36 @@ _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": 
 MOST_CORNERS = 256
 
 
-def check_scenario(scenario: Scenario) -> None:
+def check_scenario(scenario: lc.Scenario) -> None:
     """Refuse a scenario that cannot be changed point by point.
 
     Raises:
         ValueError: If it is none, or is not of the planar model.
     """
-    instance("scenario", scenario, Scenario)
-    instance("scenario.model", scenario.model, Planar)
+    instance("scenario", scenario, lc.Scenario)
+    instance("scenario.model", scenario.model, lc.Planar)
 
 
-def definition_of(scenario: Scenario) -> dict[str, Any]:
+def definition_of(scenario: lc.Scenario) -> dict[str, Any]:
     """All of a scenario that the results depend on, for a file."""
-    plain = encode(scenario, Scenario)
+    plain = codec.encode(scenario, lc.Scenario)
     plain["robot"].pop("description", None)
-    return {"laticauda": __version__, **plain}
+    return {"laticauda": packaging.__version__, **plain}
 
 
-def attributes_of(scenario: Scenario) -> dict[str, Any]:
+def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
     """What stands beside stored results about the scenario they are of."""
     return {
         "robot": scenario.robot.name,
         "gait": scenario.gait.kind,
         "environment": scenario.environment.name,
         "duration": scenario.duration,
-        "joints": name_of(type(scenario.model.joints)),
-        "laticauda": __version__,
+        "joints": extensions.name_of(type(scenario.model.joints)),
+        "laticauda": packaging.__version__,
     }
 
 
-def check_ranges(scenario: Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
+def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
     """Refuse what cannot be swept, before any work is done.
 
     The ends of all ranges are tried, alone and together: fields have bounds, and some are bounds of others.
@@ -87,7 +83,7 @@ def check_ranges(scenario: Scenario, ranges: Mapping[str, tuple[float, float]], 
         values = dict(zip(ranges, corner, strict=True))
         try:
             other = changed(scenario, values)
-            other.gait.joint_envelope(plant(other).robot.planar().n_links)
+            other.gait.joint_envelope(lc.plant(other).robot.planar().n_links)
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             reason = str(error).replace("`", "")  # these are no arguments of the caller
@@ -96,7 +92,7 @@ def check_ranges(scenario: Scenario, ranges: Mapping[str, tuple[float, float]], 
 
 
 def swim_points(
-    scenario: Scenario, names: tuple[str, ...], table: Table, threads: int | None = None
+    scenario: lc.Scenario, names: tuple[str, ...], table: Table, threads: int | None = None
 ) -> dict[str, Column]:
     """Let the robots of some points swim.
 
@@ -122,7 +118,7 @@ def swim_points(
     return {**{name: found.figures[name] for name in FIGURES if name not in kept}, **kept, "succeeded": found.succeeded}
 
 
-def scenarios_at(scenario: Scenario, names: tuple[str, ...], table: Table) -> list[Scenario]:
+def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) -> list[lc.Scenario]:
     """The scenario of every point; equal robots, gaits and environments are one object, made once.
 
     Args:

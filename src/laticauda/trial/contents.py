@@ -2,22 +2,19 @@
 
 import dataclasses
 import datetime
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
+from laticauda import gaits, scenarios, series
 from laticauda.errors import BadArgument, flag, instance, text
-from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.scenarios import Experiment, Scenario
-from laticauda.series import SERIES, Log
 from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, FinJoints, Setting
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 _NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
-NOT_NEEDED = tuple(name for name in SERIES if name not in _NEEDED)
+NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
 """What a measured trial may lack; where the robot was is what every trial has."""
 
 
@@ -35,11 +32,11 @@ def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int,
     """
     n_links = (robot if n_axes == 3 else robot.planar()).n_links
     n = {"time": n_samples, "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
-    return {name: tuple(n[of] for of in one.dimensions) for name, one in SERIES.items()}
+    return {name: tuple(n[of] for of in one.dimensions) for name, one in series.SERIES.items()}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Contents(Log):
+class Contents(series.Log):
     """What a trial holds, a log and what made it, checked; `Trial` adds what follows from it.
 
     All arrays are float64, finite and read-only. A log in the plane has one column per link of `robot.planar()`, a log
@@ -51,7 +48,7 @@ class Contents(Log):
             increase.
     """
 
-    scenario: Scenario | Experiment
+    scenario: scenarios.Scenario | scenarios.Experiment
     """What swam, how, where and by which model: `laticauda.swim` makes the same trial of a scenario again. An
     experiment says what is known of a run that was measured, or steered by hand."""
     version: str
@@ -69,7 +66,7 @@ class Contents(Log):
 
     def __post_init__(self) -> None:
         """Check everything and freeze every array, once."""
-        instance("scenario", self.scenario, Scenario, Experiment)
+        instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
         flag("succeeded", self.succeeded)
         for name in ("version", "created", "status"):
             text(name, getattr(self, name))
@@ -83,7 +80,7 @@ class Contents(Log):
         return self.scenario.robot
 
     @property
-    def gait(self) -> Gait | None:
+    def gait(self) -> gaits.Gait | None:
         """What the joints were asked for, at first where it was steered; None where no gait was."""
         return self.scenario.gait
 
@@ -100,7 +97,7 @@ class Contents(Log):
     @property
     def period(self) -> float | None:
         """Period of the gait, 2 pi / frequency [s]; None without a gait, or if it stands still."""
-        return 2.0 * math.pi / self.gait.frequency if self.gait is not None and self.gait.frequency > 0.0 else None
+        return 2.0 * np.pi / self.gait.frequency if self.gait is not None and self.gait.frequency > 0.0 else None
 
     @property
     def chain(self) -> Robot:

@@ -4,7 +4,6 @@ Pure functions of the distance from the path over time, like `metrics`. All but 
 cycle: the center of mass of a swimming snake swings across its course, and that swing is the ripple, not an error.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -82,7 +81,7 @@ def overshoot(time: Time, cross_track_error: Time, period: float) -> float:
     return max(0.0, float(np.max(-np.sign(cross_track_error[0]) * error)))
 
 
-def steady_error(time: Time, cross_track_error: Time, period: float, start: float, stop: float = math.inf) -> float:
+def steady_error(time: Time, cross_track_error: Time, period: float, start: float, stop: float = np.inf) -> float:
     """Root mean square of the cycle-mean error from `start` on and before `stop`, times since the start of the run [m].
 
     Other arguments and errors as for `mean_error`.

@@ -3,7 +3,6 @@
 Each is fitted to measured speeds by least squares of the logarithm.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -140,7 +139,7 @@ def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
         target = np.log(measured) - known
         speeds = np.exp(columns @ fit(columns, target) + known)
         others = [np.exp(left_out(columns, target, by) + known) for by in apart]
-        errors = [math.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others]
+        errors = [np.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others]
         n_parameters = int(np.linalg.matrix_rank(columns))
         how: Any = {"fitted": mape(measured, speeds), "left_out": errors[0], "group_left_out": errors[1]}
         found.append(NullModel(name=name, n_parameters=n_parameters, speeds=speeds, **how))

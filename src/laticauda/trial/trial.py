@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from laticauda.trial import formats, metrics
-from laticauda.trial.contents import NOT_NEEDED, Contents, shapes_of
-from laticauda.trial.cycles import CycleMean
+from laticauda.trial import contents, cycles, formats, metrics
 from laticauda.trial.dataset import fields_of, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
 
@@ -48,7 +46,7 @@ class Figure:
         return found
 
 
-class Trial(Contents):
+class Trial(contents.Contents):
     """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`."""
 
     # ---- figures: unit, title, definition; in the order of a table ----------------------------------------------
@@ -138,7 +136,7 @@ class Trial(Contents):
         return metrics.speed_through_water(self)
 
     @cached_property
-    def heading_cycle_mean(self) -> CycleMean:
+    def heading_cycle_mean(self) -> cycles.CycleMean:
         """Heading averaged over the gait cycle around each moment: times [s] and values [rad].
 
         Raises:
@@ -224,8 +222,8 @@ class Trial(Contents):
         found = {name: values for name, values in series.items() if values is not None}
         if "work" not in found and "joint_torque" in found and "joint_rate" in found:
             found["work"] = metrics.joint_work(found["time"], found["joint_torque"], found["joint_rate"])
-        shapes = shapes_of(more["scenario"].robot, *np.shape(found["center_of_mass"]))
-        missing = tuple(name for name in NOT_NEEDED if name not in found)
+        shapes = contents.shapes_of(more["scenario"].robot, *np.shape(found["center_of_mass"]))
+        missing = tuple(name for name in contents.NOT_NEEDED if name not in found)
         return cls(**found, **{name: np.zeros(shapes[name]) for name in missing}, not_measured=missing, **more)
 
     @classmethod

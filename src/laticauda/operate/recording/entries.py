@@ -4,7 +4,6 @@ A schema says how an entry is an array: what may be missing is nan; what is of v
 length.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -148,7 +147,7 @@ class Schema:
         for name, size in self.fields:
             value: Any = n if name == "n" else getattr(entry, name)
             if value is None:
-                flat += [math.nan] * _count(size, n)
+                flat += [np.nan] * _count(size, n)
             elif not size:
                 flat.append(_STATUS.index(value) if name == "status" else value)
             else:
