@@ -35,9 +35,7 @@ def _degrees(*angles: float) -> tuple[float, ...]:
 class Unknowns:
     """What is to be identified, and what is known of it."""
 
-    after: File = option(
-        "The TOML file of an identification: its fit is repeated, and the trials are those to do next", default=None
-    )
+    after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
     parameters: Words = option(
         "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its value "
         "or with what is known of it before",
@@ -62,24 +60,18 @@ class Candidates:
 
     gait: Literal["lateral-undulation", "eel-like", "both"] = option("Which gaits", default="lateral-undulation")
     amplitudes: tuple[float, ...] = quantity("rad", "alpha of the candidates", ge=0.0, default=_degrees(20, 30, 40))
-    frequencies: tuple[float, ...] = quantity(
-        "rad/s", "omega of the candidates", ge=0.0, default=_degrees(70, 110, 150)
-    )
+    frequencies: tuple[float, ...] = quantity("rad/s", "omega of candidates", ge=0.0, default=_degrees(70, 110, 150))
     phase_shifts: tuple[float, ...] = quantity("rad", "delta of the candidates", default=_degrees(30, 50))
     sensors: Words = option(
         "NAME or NAME=SIGMA, what would be measured of a swim: speed, power, path, heading, joint-angle, joint-torque, "
         "with the standard deviation of the noise in SI units",
         default=("speed",),
     )
-    tow: tuple[float, ...] = quantity(
-        "m/s", "Speeds of tows of the straight robot whose loads would be measured", default=(0.1, 0.4)
-    )
+    tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot, for its loads", default=(0.1, 0.4))
     tow_angles: tuple[float, ...] = quantity(
-        "rad", "Angles of the robot to its way in these tows; 0: along itself", default=_degrees(0, 15)
+        "rad", "Of the robot to its way in them; 0: along", default=_degrees(0, 15)
     )
-    coast_down: tuple[float, ...] = quantity(
-        "m/s", "Speeds from which the straight robot would be let go", default=(0.4,)
-    )
+    coast_down: tuple[float, ...] = quantity("m/s", "Speeds from which the straight robot is let go", default=(0.4,))
     no_tow: bool = option("Neither tow nor coast-down", default=False)
     no_swims: bool = option("Nothing that swims", default=False)
     duration: float = quantity("s", "Of a swim", gt=0.0, default=30.0)
@@ -103,9 +95,7 @@ class DesignExperiment(Command):
         default=None,
     )
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
-    joints: str | None = option(
-        "How the joints follow the gait; the base's law, or prescribed, if left out", default=None
-    )
+    joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     candidates: Candidates = option("Trials that could be done", default=Candidates())
     output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
 

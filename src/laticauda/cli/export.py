@@ -23,9 +23,7 @@ class Urdf(command.Command):
 
     output: Annotated[flags.Output, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity(
-        "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
-    )
+    n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
     meshes: flags.Files = option(
         "One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output",
         default=(),
@@ -62,9 +60,7 @@ class Mjcf(Urdf):
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
     scene: str | None = option("Around it: tank, pegs, slope, pipe, shore, height-field or an MJCF file", default=None)
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
-    actuators: Literal["none", "servo"] = option(
-        "Servos in the joints, with the angle wanted as their input", default="none"
-    )
+    actuators: Literal["none", "servo"] = option("Servos in the joints, whose input is the angle", default="none")
 
     def write(self, robot: lc.Robot) -> None:
         """Write the file; see `Urdf.write`."""

@@ -49,19 +49,13 @@ class What:
 class Fixed:
     """What stays as it is."""
 
-    robot: str | None = option(
-        "What has to have swum, a preset or a TOML file: trials of another one are refused", default=None
-    )
+    robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
     base: str | None = option(
         "A parameter file with the numbers that are not identified, and a joint law; what the trials say if left out",
         default=None,
     )
-    joints: str | None = option(
-        "How the joints follow the gait; the base's law, or prescribed, if left out", default=None
-    )
-    model: Literal["planar", "spatial"] = option(
-        "The model of the body; the one in MuJoCo takes long", default="planar"
-    )
+    joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
+    model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes long", default="planar")
 
 
 @value
@@ -97,13 +91,9 @@ class Identify(Command):
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How", default=Method())
-    laws: Words = option(
-        "Parameter files, as --base takes one: each is fitted, and they stand side by side with null models", default=()
-    )
+    laws: Words = option("Parameter files as for --base, each fitted, beside null models", default=())
     name: str | None = option("Of the parameter file; the task file's, or identified, if left out", default=None)
-    output: Folder = option(
-        "The folder; made if need be, files of the same names are replaced", default="identification"
-    )
+    output: Folder = option("Folder; made if need be, files of the same names are replaced", default="identification")
     words: Any = option("What was typed, for the report", default=())
 
     @classmethod

@@ -40,14 +40,10 @@ class Body:
 class Wires:
     """How it is reached."""
 
-    bus: str = option(
-        "The CAN bus: udp_multicast[:GROUP[:PORT]] between processes, or socketcan[:NAME]", default="udp_multicast"
-    )
+    bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] of processes, or socketcan[:NAME]", default="udp_multicast")
     host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=22223)
-    hops: int = quantity(
-        "", "Routers that CAN frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0
-    )
+    hops: int = quantity("", "Routers that frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0)
 
 
 @value

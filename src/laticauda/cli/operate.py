@@ -29,18 +29,12 @@ class Operate(command.Command):
     output: flags.Folder = option("Folder of the recordings and trials", default="runs")
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
     clear: bool = option("Clear faults of the modules first: you have looked at them", default=False)
-    no_dashboard: bool = option(
-        "Plain lines instead of the dashboard; so it is where the output is no terminal", default=False
-    )
+    no_dashboard: bool = option("Plain lines instead of the dashboard, as where there is no terminal", default=False)
     speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
     repeats: int | None = quantity("", "Of every setting of a series; the file's if left out", ge=1, default=None)
     meter: str | None = option("Serial port of the power meter; the file's if left out", default=None)
-    supply_voltage: float | None = quantity(
-        "V", "Of the supply behind the power meter; the file's if left out", gt=0.0, default=None
-    )
-    can: str | None = option(
-        "CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0; the file's if left out", default=None
-    )
+    supply_voltage: float | None = quantity("V", "Of the meter's supply; the file's if left out", gt=0.0, default=None)
+    can: str | None = option("udp_multicast:GROUP:PORT, virtual:NAME, socketcan:can0; or the file's", default=None)
     mocap: str | None = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
     def run(self) -> command.Outcome:

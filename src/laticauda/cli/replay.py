@@ -21,16 +21,10 @@ class Replay(view.Filming):
 
     file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
     save: flags.NetCdf = option("Write the trial to this file (.nc)", default=None)
-    estimate: bool = option(
-        "Estimate the motion again from the recorded samples; the trial is then of that", default=False
-    )
+    estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
     kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
-    control: bool = option(
-        "Let the controller decide again, and compare its commands with the recorded ones", default=False
-    )
-    plot_timing: flags.Picture = option(
-        "Draw how punctual the operator's loop was into this picture (.png or .pdf)", default=None
-    )
+    control: bool = option("Controller decides again, and compare its commands with the recorded", default=False)
+    plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png or .pdf)", default=None)
 
     def run(self) -> command.Outcome:
         """Read, run again, and write."""

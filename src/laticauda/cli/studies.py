@@ -47,9 +47,7 @@ class SweepCommand(Study):
         "amplitude-deg=10:50:100. Every combination is a trial",
         default=(),
     )
-    samples: int | None = quantity(
-        "", "Take this many points that fill the ranges NAME=LOW:HIGH evenly instead", ge=1, default=None
-    )
+    samples: int | None = quantity("", "So many points that fill the ranges NAME=LOW:HIGH evenly", ge=1, default=None)
     seed: int | None = quantity("", "Of the samples; another one gives other points", ge=0, default=None)
     list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
     scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
@@ -129,11 +127,9 @@ class Optimize(Study):
         "(small). Two give the front between them; speed-power stands for forward-velocity mechanical-power",
         default=(BOTH,),
     )
-    budget: int = quantity(
-        "", "How many points to try; a greater one goes on where a smaller one ended", ge=1, default=4000
-    )
+    budget: int = quantity("", "How many points to try; a greater goes on where a smaller ended", ge=1, default=4000)
     population: int | None = quantity(
-        "", "Points in a generation; 100 for two objectives and 40 for one if left out", ge=1, default=None
+        "", "In a generation; 100 for two objectives, 40 for one if left out", ge=1, default=None
     )
     seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
     joint_rate_limit: float | None = quantity(

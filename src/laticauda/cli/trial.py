@@ -45,9 +45,7 @@ class Compare(OfTrials):
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: flags.Inputs = option(
-        "Two trials or more; the one to compare with first. Logs of other programs need --columns", default=()
-    )
+    files: flags.Inputs = option("Two trials or more, the reference first. Others' logs need --columns", default=())
 
     def run(self) -> command.Outcome:
         """Read and compare."""

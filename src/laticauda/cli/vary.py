@@ -36,9 +36,7 @@ class Study(scene.OfScenario):
     """A command that lets a scenario swim with many values of its numbers."""
 
     names: bool = option("Print the names of what can be varied, and end", default=False)
-    threads: int | None = quantity(
-        "", "How many trials run at once on this machine; one per core if left out", ge=1, default=None
-    )
+    threads: int | None = quantity("", "How many trials run at once here; one per core if left out", ge=1, default=None)
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""

@@ -61,9 +61,7 @@ class HeadingEstimate:
         ValueError: If the window is negative.
     """
 
-    window: float = quantity(
-        "s", "How far back the mean goes; the period of the gait, or 0 for no mean", ge=0.0, default=0.0
-    )
+    window: float = quantity("s", "How far back the mean goes; the gait's period, 0 for no mean", ge=0.0, default=0.0)
 
     def init(self) -> HeadingWindow:
         """Nothing seen yet."""

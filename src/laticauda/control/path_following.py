@@ -70,9 +70,7 @@ class PathFollowing(Controller[PathFollowingState]):
 
     gait: Gait = option("What swims along the path; its own offset is added")
     path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
-    guidance: Guidance[Any] = option(
-        "The law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own"
-    )
+    guidance: Guidance[Any] = option("Law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own")
     heading: HeadingController = option("The law that turns the robot")
     heading_estimate: str = option(
         "Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period",

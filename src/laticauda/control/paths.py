@@ -30,9 +30,7 @@ class StraightLine(Path[None]):
         0.5
     """
 
-    point: tuple[float, float] = quantity(
-        "m", "A point of it, at which the along-track distance is 0; x and y in world axes", default=(0.0, 0.0)
-    )
+    point: tuple[float, float] = quantity("m", "Where the along-track distance is 0, world axes", default=(0.0, 0.0))
     angle: float = quantity("rad", "Its direction to the world x axis, counter-clockwise", default=0.0)
 
     def init(self) -> None:
@@ -101,9 +99,7 @@ class Polyline(Path[int]):
     """
 
     waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
-    acceptance_distance: float = quantity(
-        "m", "How near to a waypoint it counts as reached; 0: only passing counts", default=0.0, ge=0.0
-    )
+    acceptance_distance: float = quantity("m", "How near a waypoint counts as reached; 0: passed", default=0.0, ge=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""

@@ -65,20 +65,16 @@ class ModelPredictive(Controller[PredictiveState]):
     model: AveragedModel = option("How this gait moves this robot: `fit_averaged`")
     speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
     frequency_limits: tuple[float, float] | None = quantity(
-        "rad/s", "Least and greatest frequency; None: that of the gait, always", default=None
+        "rad/s", "Least and greatest frequency; None: the gait's", default=None
     )
-    power_limit: float = quantity(
-        "W", "Most that the gait may take, mean over its cycle, as the model has it", default=math.inf
-    )
+    power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
     max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
     offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)
     frequency_rate: float = quantity("rad/s^2", "Largest change of the frequency", default=0.2, gt=0.0)
     cross_track_tolerance: float = quantity(
         "m", "Distance from the path that costs 1 per second; far off the cost grows in proportion", default=0.1, gt=0.0
     )
-    course_tolerance: float = quantity(
-        "rad", "Angle of the course across the path that costs 1 per second", default=0.5, gt=0.0
-    )
+    course_tolerance: float = quantity("rad", "Angle of the course to the path that costs 1 per s", default=0.5, gt=0.0)
     speed_tolerance: float = quantity("m/s", "What is missing in speed that costs 1 per second", default=0.05, gt=0.0)
     power_tolerance: float = quantity("W", "Power that costs 1 per second", default=1000.0, gt=0.0)
     horizon: int = quantity("", "How many steps a plan looks ahead, behind the first of one interval", default=15, ge=1)

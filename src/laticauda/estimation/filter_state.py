@@ -23,9 +23,7 @@ class Noise:
     position: float = quantity("m", "of the marker body, per axis", gt=0.0, default=0.001)
     yaw: float = quantity("rad", "of the marker body", gt=0.0, default=math.radians(0.1))
     joint: float = quantity("rad", "of a joint's sensor, with rests of its backlash", gt=0.0, default=math.radians(0.3))
-    joint_acceleration: float = quantity(
-        "rad/s^2/sqrt(Hz)", "how fast a joint's rate strays from the reference's", gt=0.0, default=0.5
-    )
+    joint_acceleration: float = quantity("rad/s^2/sqrt(Hz)", "straying of rate from reference", gt=0.0, default=0.5)
     position_walk: float = quantity("m/sqrt(s)", "how fast the center of mass strays", ge=0.0, default=0.001)
     surge: float = quantity("m/s/sqrt(s)", "how fast the speed through the water changes", ge=0.0, default=0.0067)
     sway: float = quantity("m/s", "of the sideways speed, which fades within `sway_time`", ge=0.0, default=0.01)
@@ -38,7 +36,7 @@ class Noise:
     heading_gain: float = quantity("1/sqrt(s)", "how fast a mode's share in the heading changes", ge=0.0, default=0.15)
     across_gain: float = quantity("m/sqrt(s)", "the same for its share in the place across", ge=0.0, default=0.005)
     heading_ripple: float = quantity(
-        "rad/sqrt(s)", "how fast the heading's ripple changes; harmonic k by 1/k of it", ge=0.0, default=0.0033
+        "rad/sqrt(s)", "change of the heading's ripple; harmonic k: 1/k", ge=0.0, default=0.0033
     )
     position_ripple: float = quantity("m/sqrt(s)", "the same for the center of mass", ge=0.0, default=0.006)
 

@@ -128,9 +128,7 @@ class Mount:
     """
 
     module: int = quantity("", "which module of the robot carries it, 0 = tail", ge=0, default=0)
-    offset: Offset = quantity(
-        "m", "its place from the middle of that module: toward the head, to the left, and up", default=(0.0, 0.0)
-    )
+    offset: Offset = quantity("m", "its place from that module's middle: forward, to the left, up", default=(0.0, 0.0))
     angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
 
     def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:

@@ -120,14 +120,10 @@ class PolynomialDrag(DragLaw):
             Mech. 718, 2013.
     """
 
-    reference_speed: float = quantity(
-        "m/s", "U_ref, the speed at which linear and quadratic drag are equal", ge=0.0, default=1.0
-    )
+    reference_speed: float = quantity("m/s", "U_ref, at which linear and quadratic drag are equal", ge=0.0, default=1.0)
     linear: bool = option("Whether there is a part that is linear in the speed, of force and torque", default=True)
     quadratic: bool = option("Whether there is a part that is quadratic in the speed", default=True)
-    sway_friction: float = quantity(
-        "", "gamma, drag along the body that grows with the local sideways speed", ge=0.0, default=0.0
-    )
+    sway_friction: float = quantity("", "gamma, drag along growing with the local sideways speed", ge=0.0, default=0.0)
 
     def __call__(
         self, v_t: float, v_n: float, across: float, rate: float, element: Element

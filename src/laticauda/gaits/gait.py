@@ -44,9 +44,7 @@ class Wave:
     amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
-    phase: float = quantity(
-        "rad", "lead over the yaw wave, at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0
-    )
+    phase: float = quantity("rad", "lead over the yaw wave, at tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
     offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", ge=-pi, le=pi, default=0.0)
     envelope: Envelope = option("g of the pitch joints, how the amplitude is spread", default=LateralUndulation())
 

@@ -41,9 +41,7 @@ class Method:
     n_starts: int = quantity("", "How many starts", default=4, ge=1)
     seed: int = quantity("", "Of the further starts", default=0, ge=0)
     confidence: float = quantity("", "Of the intervals", default=0.95, ge=0.5, le=0.9999)
-    limit: float = quantity(
-        "", "From which relative standard deviation on an unknown counts as not identified", default=LIMIT, gt=0.0
-    )
+    limit: float = quantity("", "Relative deviation from which on an unknown is not identified", default=LIMIT, gt=0.0)
 
     def quantile(self, degrees: float) -> float:
         """How many standard deviations an interval reaches to either side: Student's t, normal if the noise is known.

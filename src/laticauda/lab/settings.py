@@ -17,23 +17,15 @@ class NodeSettings:
     hold_after: float = quantity("s", "References stay away so long: hold the last one", gt=0.0, default=0.2)
     limp_after: float = quantity("s", "References stay away so long: motor off", gt=0.0, default=1.0)
     heartbeat_interval: float = quantity("s", "Between two heartbeats", gt=0.0, default=0.1)
-    sensor_interval: float = quantity(
-        "s", "Between two frames of force/torque sensor and accelerometer", gt=0.0, default=0.05
-    )
+    sensor_interval: float = quantity("s", "Between frames of force/torque sensor, accelerometer", gt=0.0, default=0.05)
     speed_limit: float = quantity("rad/s", "The reference is followed no faster than this", gt=0.0, default=4.0)
     current_limit: float = quantity("A", "Of the motor, averaged over `current_time`", gt=0.0, default=4.4)
     current_time: float = quantity("s", "Longer than a stall under the water's load", gt=0.0, default=3.0)
-    stuck_duty: float = quantity(
-        "", "The joint is stuck if the motor pulls at this duty ...", ge=0.0, le=1.0, default=0.9
-    )
-    stuck_travel: float = quantity(
-        "rad", "... while the joint comes no further than this; 1 deg", gt=0.0, default=0.0175
-    )
+    stuck_duty: float = quantity("", "A joint is stuck if its motor pulls so hard ...", ge=0.0, le=1.0, default=0.9)
+    stuck_travel: float = quantity("rad", "... while the joint comes no further; 1 deg", gt=0.0, default=0.0175)
     stuck_time: float = quantity("s", "... for so long in all; longer than a stall", gt=0.0, default=3.0)
     temperature_limit: float = quantity("deg C", "Of the motor", ge=-273.15, le=1000.0, default=80.0)
-    temperature_again: float = quantity(
-        "deg C", "Below it, over-temperature can be cleared", ge=-273.15, le=1000.0, default=70.0
-    )
+    temperature_again: float = quantity("deg C", "Below, the flag can be cleared", ge=-273.15, le=1000.0, default=70.0)
     thermal_resistance: float = quantity("K/W", "Motor to water", gt=0.0, default=3.0)
     heat_capacity: float = quantity("J/K", "Of the motor", gt=0.0, default=50.0)
     zero_error: float = quantity("rad", "Of the sensor before it is calibrated, to either side", ge=0.0, default=0.05)
@@ -64,20 +56,12 @@ class MocapSettings:
     drop_share: float = quantity("", "Share of frames that never come", ge=0.0, le=1.0, default=0.01)
     lost_share: float = quantity("", "Share of frames in which too few markers are seen", ge=0.0, le=1.0, default=0.005)
     size: tuple[float, float, float] = quantity("m", "Of the volume that the cameras cover", default=(12.0, 5.45, 1.35))
-    middle: tuple[float, float, float] = quantity(
-        "m", "Of that volume, world axes; the surface is at 0", default=(5.0, 0.0, -0.675)
-    )
+    middle: tuple[float, float, float] = quantity("m", "Of that volume; surface at 0", default=(5.0, 0.0, -0.675))
     depth: float = quantity("m", "Of the markers below the surface, where the model is planar", ge=0.0, default=0.15)
-    reflection_share: float = quantity(
-        "", "Of frames that mistake a marker at the surface for its image", ge=0.0, le=1.0, default=0.5
-    )
+    reflection_share: float = quantity("", "Of frames that take an image for its marker", ge=0.0, le=1.0, default=0.5)
     reflection_depth: float = quantity("m", "Depth in which that share falls by a factor e", gt=0.0, default=0.03)
-    reflection_jump: float = quantity(
-        "m", "Deviation of a position so mistaken; rotations: 0.1 rad", ge=0.0, default=0.03
-    )
-    mount: tuple[float, float, float] = quantity(
-        "m", "Markers' body from mid-module, its axes", default=(0.0, 0.0, 0.0)
-    )
+    reflection_jump: float = quantity("m", "Deviation of such a position; rotations: 0.1 rad", ge=0.0, default=0.03)
+    mount: tuple[float, float, float] = quantity("m", "Marker body from mid-module, its axes", default=(0.0, 0.0, 0.0))
     mount_yaw: float = quantity("rad", "How far the markers' body is turned to the left on it", default=0.0)
     frame: tuple[float, float, float] = quantity("m", "The origin of the cameras' frame", default=(0.0, 0.0, 0.0))
     frame_yaw: float = quantity("rad", "How far the cameras' frame is turned to the left", default=0.0)

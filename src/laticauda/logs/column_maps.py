@@ -124,18 +124,14 @@ class Body:
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
     yaw: str | None = option("Column of its angle about the vertical axis of the file", default=None)
     angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
-    quaternion: tuple[str, ...] | None = option(
-        "Columns w, x, y, z of its orientation, instead of `yaw`", default=None, check=_names(4)
-    )
+    quaternion: tuple[str, ...] | None = option("Columns w, x, y, z, instead of `yaw`", default=None, check=_names(4))
     rotation: tuple[str, ...] | None = option(
         "Columns of its rotation matrix, the first three its x axis, instead of `yaw`", default=None, check=_names(9)
     )
     forward: Direction = option("Which of its own axes points to the head", default="x")
-    link: int = quantity(
-        "", "The link that carries it, 0 = tail; of the planar chain, for robots with pitch joints", default=0, ge=0
-    )
+    link: int = quantity("", "The link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
     offset: tuple[float, float] = quantity(
-        "m", "Its place from the middle of that link: toward the head, to the left", default=(0.0, 0.0)
+        "m", "Its place from mid-link: toward the head, to the left", default=(0.0, 0.0)
     )
     angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
 
@@ -172,7 +168,7 @@ class JointColumns:
     """One column per joint."""
 
     columns: str | tuple[str, ...] = option(
-        "Their names, tail first; or one name with {} in the place of the number", check=_one_or_several
+        "Their names, tail first; or one with {} for the number", check=_one_or_several
     )
     first: int = quantity("", "The number of the tail-most joint, where they are numbered", default=0, ge=0)
     head_first: bool = option("Whether the first of them is the head-most joint", default=False)
@@ -217,7 +213,7 @@ class Power:
     current: str | None = option("Column of the current [A]", default=None)
     voltage: str | float | None = option("Column of the voltage, or its value [V]", default=None, check=_voltage)
     idle: float | None = quantity(
-        "W", "What the robot draws at rest, taken off; None: the robot's own `idle_power`", default=None, ge=0.0
+        "W", "What the robot draws at rest, taken off; None: its `idle_power`", default=None, ge=0.0
     )
 
     def __post_init__(self) -> None:
@@ -240,9 +236,7 @@ class ColumnMap:
     robot: Robot = option("What swam")
     environment: Environment = option("What it was in")
     gait: gaits.Gait | None = option("What the joints were asked for; None where it is not known", default=None)
-    start: float | None = quantity(
-        "s", "Where the trial begins in the file's time; it is 0 in the trial's", default=None
-    )
+    start: float | None = quantity("s", "Where the trial begins in the file's time; there it is 0", default=None)
     stop: float | None = quantity("s", "Where it ends in the file's time", default=None)
     longest_gap: float = quantity(
         "s",

@@ -38,9 +38,7 @@ class Element:
 
     body: str = option("Name of the MuJoCo body that it is rigid on; of one without a name its number, '2' say")
     position: Three = quantity("m", "Its middle in the body's frame", default=_NONE)
-    orientation: Quaternion = quantity(
-        "", "Its axes in the body's frame, as a quaternion (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0)
-    )
+    orientation: Quaternion = quantity("", "Its axes in the body's frame (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0))
     drag: Three = quantity("N s^2/m^2", "c along x, y and z", default=_NONE, ge=0.0)
     torque_linear: Three = quantity("N s^2", "lambda_2 about x, y and z", default=_NONE, ge=0.0)
     torque_quadratic: Three = quantity("N m s^2", "lambda_3 about x, y and z", default=_NONE, ge=0.0)
@@ -61,9 +59,7 @@ class Element:
         default=None,
         ge=0.0,
     )
-    contact: Contact | None = option(
-        "How it touches the ground that `water.attach` is given; None: not at all", default=None
-    )
+    contact: Contact | None = option("How it touches the ground of `water.attach`; None: not at all", default=None)
     volume: float = quantity("m^3", "Of the water that it displaces when covered", default=0.0, ge=0.0)
     shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")
     half_size: Three = quantity(
@@ -72,9 +68,7 @@ class Element:
         default=(0.1, 0.1, 0.1),
         gt=0.0,
     )
-    law: DragLaw = option(
-        "How drag depends on speed; by default it is quadratic", default=PolynomialDrag(reference_speed=0.0)
-    )
+    law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
 
     def __post_init__(self) -> None:
         """Normalize the quaternion."""
@@ -98,21 +92,15 @@ _HALF_TURN = 0.5**0.5
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections."""
 
-    drag: Three = quantity(
-        "", "C_D along the geom's axes, on the area that it shows in that direction", default=(0.2, 1.0, 1.0), ge=0.0
-    )
-    rotational_drag: float = quantity(
-        "", "Share of what the drags, spread over the geom, set against its rotation", default=0.0, ge=0.0
-    )
+    drag: Three = quantity("", "C_D along the geom's axes, on the area across", default=(0.2, 1.0, 1.0), ge=0.0)
+    rotational_drag: float = quantity("", "Share of what the drags set against rotation", default=0.0, ge=0.0)
     added_mass: float = quantity(
         "",
         "Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115)",
         default=1.0,
         ge=0.0,
     )
-    law: DragLaw = option(
-        "How drag depends on speed; by default it is quadratic", default=PolynomialDrag(reference_speed=0.0)
-    )
+    law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:

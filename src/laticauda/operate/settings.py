@@ -153,7 +153,7 @@ class Limits:
     current_time: float = quantity("s", "for which a motor may draw more", gt=0.0, default=3.0)
     min_voltage: float = quantity("V", "of the supply at a module", gt=0.0, default=28.0)
     max_joint_error: float = quantity(
-        "rad", "of a joint to its reference, longer than `joint_error_time`", gt=0.0, default=math.radians(45.0)
+        "rad", "to its reference, for `joint_error_time`", gt=0.0, default=math.radians(45.0)
     )
     joint_error_time: float = quantity("s", "for which a joint may be further off", gt=0.0, default=2.0)
     heartbeat_timeout: float = quantity("s", "a module that is silent for longer is lost", gt=0.0, default=0.5)

@@ -46,9 +46,7 @@ class Reproduce(command.Command):
         "figures of the efficiency study with their scatter",
         default=None,
     )
-    workers: int | None = quantity(
-        "", "Processes to spread the work over; one per core if left out", ge=1, default=None
-    )
+    workers: int | None = quantity("", "Processes to share the work; one per core if left out", ge=1, default=None)
     output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
 
     def run(self) -> command.Outcome:

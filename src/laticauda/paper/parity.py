@@ -73,9 +73,7 @@ class ParitySettings:
     """What is compared."""
 
     cases: tuple[ParityCase, ...] = option("Settings in which both models swim", default_factory=parity_cases)
-    steps: tuple[float, ...] | None = quantity(
-        "s", "Of the spatial model, falling; None: those of `STEPS`", default=None
-    )
+    steps: tuple[float, ...] | None = quantity("s", "Of the spatial model, falling; None: `STEPS`", default=None)
     duration: float = quantity("s", "Of every run", default=30.0)
 
 

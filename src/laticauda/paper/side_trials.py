@@ -46,13 +46,9 @@ class SideSettings:
     """What the side trials run."""
 
     phase_shifts: SweepSettings = option("The sweep over the phase shift", default_factory=_phase_shifts)
-    gaits: tuple[lc.Gait, ...] = option(
-        "What sensitivities are taken at; by default the highest frequency of Table 1", default_factory=_fast
-    )
+    gaits: tuple[lc.Gait, ...] = option("Of sensitivities; by default the fastest of Table 1", default_factory=_fast)
     n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
-    doubled: tuple[lc.Gait, ...] = option(
-        "How the shorter robot swims; by default what the paper's sweeps hold", default_factory=_held
-    )
+    doubled: tuple[lc.Gait, ...] = option("How the shorter robot swims; the paper's by default", default_factory=_held)
     duration: float = quantity("s", "Of every trial", gt=0.0, default=30.0)
     coefficients: Coefficients = option("The water by gait; by default the paper's", default_factory=paper_coefficients)
 

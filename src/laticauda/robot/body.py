@@ -47,9 +47,7 @@ class Actuator:
     voltage: float = quantity("V", "Supply of the servo", gt=0.0, default=7.4)
     stall_current: float = quantity("A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6)
     idle_current: float = quantity("A", "Current of the servo at rest without load", ge=0.0, default=0.0)
-    tracking: float = quantity(
-        "", "Share of the oscillation that a `prescribed` joint does", gt=0.0, le=1.5, default=1.0
-    )
+    tracking: float = quantity("", "Share of the gait that a `prescribed` joint does", gt=0.0, le=1.5, default=1.0)
 
     @property
     def stall_power(self) -> float:
@@ -116,7 +114,7 @@ class Module:
     added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
     center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
     inertia: float | None = quantity(
-        "kg m^2", "About the center of mass, vertical axis; None for a uniform rod's", gt=0.0, default=None
+        "kg m^2", "Vertical, about the center of mass; None: a uniform rod's", gt=0.0, default=None
     )
 
     def __post_init__(self) -> None:

@@ -91,16 +91,12 @@ class CaudalFin:
     root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
     """
 
-    length: float = quantity(
-        "m", "Length from the root to the trailing edge, opening included", gt=0.0, le=100.0, default=0.5
-    )
+    length: float = quantity("m", "From the root to the trailing edge, opening included", gt=0.0, le=100.0, default=0.5)
     height: float = quantity("m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09)
     opening_length: float = quantity("m", "Length of the opening, which begins at the root", ge=0.0, default=0.12)
     opening: Literal["open", "closed"] = option("`closed`: the plate reaches to the root", default="open")
     thickness: float = quantity("m", "Thickness, which counts for the mass only", gt=0.0, le=10.0, default=0.005)
-    n_strips: int = quantity(
-        "", "Strips of equal length behind the opening, or where it would be", ge=1, le=1000, default=8
-    )
+    n_strips: int = quantity("", "Equal strips behind the opening, or where it would be", ge=1, le=1000, default=8)
     tangential_friction: float | None = quantity("", "C_f,fin, both faces; None for the water's", ge=0.0, default=None)
     normal_drag: float | None = quantity("", "C_D,fin, or None for the water's", ge=0.0, default=None)
     added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)

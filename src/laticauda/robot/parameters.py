@@ -67,9 +67,7 @@ class Parameters:
 
     name: str = option("What files and stored trials call them; the waters are called after them", check=label)
     title: str = option("What a legend says", check=label)
-    joints: JointLaw | str | None = option(
-        "The joint law that they go with, a name or a law with its numbers; None: any", default=None
-    )
+    joints: JointLaw | str | None = option("Joint law that they go with, by name or with its numbers", default=None)
     every_gait: Water = option("For the gaits that have no water of their own")
     own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
     changes: Adjustments = option(

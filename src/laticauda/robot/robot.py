@@ -39,9 +39,7 @@ class Robot:
     nose: End = option("Shape of the body's head end", default="round")
     tail: End = option("Shape of the body's tail end", default="round")
     electronics_power: float = quantity("W", "Drawn at rest besides its actuators' idle current", ge=0.0, default=0.0)
-    active_power: float | None = quantity(
-        "W", "What its electronics draw above that while it swims", ge=0.0, default=None
-    )
+    active_power: float | None = quantity("W", "What its electronics draw above that in swimming", ge=0.0, default=None)
 
     def __post_init__(self) -> None:
         n = len(self.modules)

@@ -195,9 +195,7 @@ class Choice:
     """
 
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity(
-        "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
-    )
+    n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
     water: str | None = option("A preset, a TOML file or textbook; None: see `default_water`", default=None)
     ground: str | None = option("A preset or a TOML file: crawl on land instead", default=None)
     parameters: str | None = option(

@@ -59,7 +59,7 @@ class Optimization:
         "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=checked_ranges
     )
     objectives: Sequence[str] = option(
-        "One of `OBJECTIVES`, or two for the front between them", default=SPEED_POWER, check=_objectives
+        "One of `OBJECTIVES`, or two for a front", default=SPEED_POWER, check=_objectives
     )
     joint_rate_limit: float | None = quantity(
         "rad/s",

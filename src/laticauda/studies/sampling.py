@@ -174,9 +174,7 @@ class Samples:
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
     """The one dimension of the result."""
-    ranges: Mapping[str, tuple[float, float]] = option(
-        "Least and greatest value by name of the parameter (SI, radians)", check=checked_ranges
-    )
+    ranges: Mapping[str, tuple[float, float]] = option("Least and greatest value by name (SI)", check=checked_ranges)
     n_points: int = quantity("", "How many points", ge=1)
     seed: int = quantity("", "Of the scrambling; another one gives other points", ge=0, default=0)
 

@@ -116,7 +116,7 @@ class Swimming(ABC):
     )
     interval: float = quantity("s", "From one action to the next", gt=0.0, default=0.2)
     failure_reward: float = quantity(
-        "", "Of a step in which the motion diverges, which ends the episode", ge=-1e9, le=0.0, default=-1000.0
+        "", "Of a step that diverges, which ends the episode", ge=-1e9, le=0.0, default=-1000.0
     )
 
     def __post_init__(self) -> None:

@@ -141,9 +141,7 @@ class Efficiency(Swimming):
     phase_shifts: tuple[float, float] = quantity(
         "rad", "What may be asked for", default=(math.radians(10.0), math.radians(70.0))
     )
-    speeds: tuple[float, float] = quantity(
-        "m/s", "Between which every episode draws the speed v that is asked for", ge=0.0, default=(0.03, 0.15)
-    )
+    speeds: tuple[float, float] = quantity("m/s", "Of v, which an episode draws", ge=0.0, default=(0.03, 0.15))
     speed_tolerance: float = quantity("m/s", "v_1, error of the speed that costs 1 per second", gt=0.0, default=0.02)
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
 

@@ -70,9 +70,7 @@ class Supervisor:
         ('fault', 'emergency_stop', 'leak')
     """
 
-    straighten_time: float = quantity(
-        "s", "how long the robot may take to straighten before it is made limp as it is", gt=0.0, default=2.0
-    )
+    straighten_time: float = quantity("s", "how long it may straighten before it is made limp", gt=0.0, default=2.0)
 
     def within(self, action: str) -> float:
         """The stated time from an event to a robot that is limp, whatever is lost on the way [s].
