@@ -61,7 +61,7 @@ def inertia_and_force(
     """A, and the generalized force of drag and added mass for joints that do not accelerate (tau_fluid - b_A).
 
     `data` has been through `mj_forward` of a model without water. `current` is the water's velocity, or a function of
-    place and time of what `water.attach` takes: velocity, material acceleration and rotation.
+    place and time of its velocity, material acceleration and rotation.
     """
     A, force = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
     shape = (3, model.nv)

@@ -189,7 +189,7 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
                 )
         elif not any(_dofs_above(model, b) for b in bodies if model.body_rootid[b] == root):
             found.append(f"{said} is in the water but cannot move: it has no joint")
-        elif not fitted and any(e.volume > 0.0 for e in water.elements):
+        elif heavy and not fitted and any(e.volume > 0.0 for e in water.elements):
             found.append(f"{said} has buoyancy but no free joint, so it does not float freely")
     limit = math.inf if speed is None else stable_step(model, water.elements, speed)
     if model.opt.timestep > limit:

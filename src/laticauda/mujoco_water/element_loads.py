@@ -17,11 +17,12 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 # pyright: reportCallIssue=false, reportConstantRedefinition=false
 
 from laticauda.compiling import compiled, kernel
+from laticauda.compiling.flows import PLACE
 from laticauda.fluid import inertia
 from laticauda.fluid.laws import plate
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground_loads import ground_load
-from laticauda.mujoco_water.native import call_1, call_2, flags_at, number_at
+from laticauda.mujoco_water.native import call_2, flags_at, number_at, stop, word_at
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import (
     cross,
@@ -52,17 +53,19 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     force (6 each) and inertia (21) of every body.
     """
     R, place, arm = pose(E, o, T, body, data)
+    V, flow, spin, elevation = flow_at(T, P, place, 0.0, model, data, law_io)
     wet, center, covered, whole = 1.0, (0.0, 0.0, 0.0), 0.0, 0.0
     if T[HAS_SURFACE]:
         half, up = three(E, o + HALF), three(R, 6)
-        depth = P[LEVEL] - place[2]
+        depth = P[LEVEL] + elevation - place[2]
         wet, c_x, c_y, c_z = wetted(E[o + SHAPE], half[0], half[1], half[2], up[0], up[1], up[2], depth)
         center = (c_x, c_y, c_z)
         if wet < 1.0 and T[HAS_INERTIA]:
-            covered, whole = covering(T, E, o, R, wet, depth, arm, body, data, step)
+            surface = P, place, elevation, model, law_io
+            covered, whole = covering(T, E, o, R, wet, depth, arm, body, data, step, surface)
         if wet == 0.0 and covered == 0.0 and E[o + CONTACT] == 0.0:
             return
-    u, w, a, alpha, flow = motion(T, P, S, R, place, arm, body, model, data, law_io)
+    u, w, a, alpha = motion(T, P, S, R, arm, body, data, V, flow, spin)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
     if covered > 0.0:
@@ -71,11 +74,11 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         added_torque = plus(added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead))
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
-    weight = plus(gravity(T, model), scaled(-1.0, flow))
-    lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], weight)
-    pull = three(E, o + PULL)
+    displaced = P[DENSITY] * wet * E[o + VOLUME]
+    buoyancy, carried_along = scaled(-displaced, gravity(T, model)), scaled(displaced, flow)
+    lift, pull = plus(buoyancy, carried_along), three(E, o + PULL)
     if T[OUT] != 0:
-        write_loads(T, o, R, dragged, added, lift, own, pull, wet)
+        write_loads(T, o, R, dragged, plus(added, to_own(R, carried_along)), buoyancy, own, pull, wet)
     force = plus(to_world(R, plus(plus(added, dragged), own)), plus(lift, pull))
     torque = plus(to_world(R, plus(added_torque, dragged_torque)), cross(to_world(R, center), lift))
     if E[o + CONTACT] != 0.0:
@@ -106,34 +109,45 @@ def pose(E, o, T, body, data):
 
 
 @kernel
-def motion(T, P, S, R, place, arm, body, model, data, law_io):
-    """In element axes u, w, a (with what their turning adds) and alpha; in world axes the water's acceleration."""
+def motion(T, P, S, R, arm, body, data, V, flow, spin):
+    """In element axes u, w, a (with what their turning adds) and alpha, in water of that velocity, Du/Dt and spin."""
     cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
     w, alpha = three(cvel, 6 * body), three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     a = plus(three(S, 6 * body + 3), cross(alpha, arm))
-    own = numbers(model + T[AT_FLOW], 4)
-    V, flow, spin = three(own, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    varies = T[CURRENT] != 0 and own[3] == 0.0
-    if varies:
-        V, flow, spin = flow_at(T, place, data, law_io)
     u = plus(v, scaled(-1.0, V))
     a = plus(a, cross(w, plus(V, scaled(1.0 - P[OWN_VELOCITY], v))))
-    if varies:
-        (f_x, f_y, f_z), (s_x, s_y, s_z), (u_x, u_y, u_z) = flow, spin, u
-        with_x, with_y = carried(f_x, s_y, s_z, u_y, u_z), carried(f_y, s_z, s_x, u_z, u_x)
-        a = plus(a, scaled(-1.0, (with_x, with_y, carried(f_z, s_x, s_y, u_x, u_y))))
-        alpha = plus(alpha, cross(w, spin))
-        w = plus(w, scaled(-1.0, spin))
-    return to_own(R, u), to_own(R, w), to_own(R, a), to_own(R, alpha), flow
+    (f_x, f_y, f_z), (s_x, s_y, s_z), (u_x, u_y, u_z) = flow, spin, u
+    with_x, with_y = carried(f_x, s_y, s_z, u_y, u_z), carried(f_y, s_z, s_x, u_z, u_x)
+    a = plus(a, scaled(-1.0, (with_x, with_y, carried(f_z, s_x, s_y, u_x, u_y))))
+    alpha = plus(alpha, cross(w, spin))
+    w = plus(w, scaled(-1.0, spin))
+    return to_own(R, u), to_own(R, w), to_own(R, a), to_own(R, alpha)
 
 
 @kernel
-def flow_at(T, place, data, io):
-    """The water's motion at a place: its velocity, its material acceleration and its rotation, world axes."""
-    io[0], io[1], io[2], io[3] = place[0], place[1], place[2], number_at(data + T[AT_TIME])
-    call_1(T[CURRENT], io.ctypes.data)
-    return three(io, 4), three(io, 7), three(io, 10)
+def flow_at(T, P, place, ahead, model, data, io):
+    """What the water does at a place: velocity, material acceleration, rotation, world axes, and the elevation.
+
+    Args:
+        T: The model's table.
+        P: The water's numbers.
+        place: Where, world axes.
+        ahead: Of the time in the data [s].
+        model: Its address, where the velocity stands, or which flow it is.
+        data: The data's.
+        io: Scratch.
+    """
+    own = numbers(model + T[AT_FLOW], 4)
+    number = int(own[3])
+    if number == 0:
+        return three(own, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    row = T[FLOWS] + 24 * (number % MOST_FLOWS)
+    if word_at(row) != number:
+        stop(T[FLOW_LOST])
+    io[0], io[1], io[2], io[3] = place[0], place[1], place[2] - P[LEVEL], number_at(data + T[AT_TIME]) + ahead
+    call_2(word_at(row + 8), io.ctypes.data, word_at(row + 16))
+    return three(io, PLACE), three(io, PLACE + 3), three(io, PLACE + 6), io[PLACE + 9]
 
 
 @kernel
@@ -160,19 +174,28 @@ def added_load(keep, m, rate, turned):
 
 
 @kernel
-def covering(T, E, o, R, wet, depth, arm, body, data, step):
+def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
     """How fast the share under water grows, 0 while it falls; and 1 if that is over the whole step to come.
 
     That is so for steps of first order, and for those in which a body comes to move more than half as much again.
     """
-    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
-    w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
-    turning, sinking = to_own(R, w), -cvel[6 * body + 5] - cross(w, arm)[2]
-    rate = max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, max(step, 1e-6)))
+    rate = wetting_in(T, E, o, R, wet, depth, arm, body, data, max(step, 1e-6), surface)
     x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
     if T[FIRST_ORDER] or x > 0.5:
         return rate, 1.0
-    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, max(1e-3 * step, 1e-6))), 0.0
+    return wetting_in(T, E, o, R, wet, depth, arm, body, data, max(1e-3 * step, 1e-6), surface), 0.0
+
+
+@kernel
+def wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface):
+    """The same over the time ahead, in which body and surface go on as they move."""
+    P, place, elevation, model, io = surface
+    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
+    v = plus(three(cvel, 6 * body + 3), cross(w, arm))
+    _, _, _, later = flow_at(T, P, plus(place, scaled(ahead, v)), ahead, model, data, io)
+    rising = (later - elevation) / ahead
+    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, to_own(R, w), rising - v[2], ahead))
 
 
 @kernel

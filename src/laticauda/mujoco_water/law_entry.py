@@ -1,7 +1,7 @@
-"""The door of one drag law for the water's callback: a function of two addresses, kept on disk.
+"""The door of one drag law, or of one flow, for the water's callback: a function of two addresses, kept on disk.
 
-A template (see `functions`): what moves stands at the first address, and the loads go behind it; the law's own numbers
-stand at the second.
+A template (see `functions`). What moves stands at the first address, and the loads of the law go behind it; or place
+and time, and what is felt there of the flow. The numbers of the law, or of the flow's parts, stand at the second.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -14,24 +14,35 @@ from numba import (
     types,
 )
 
+from laticauda.compiling import compiled
+from laticauda.compiling.flows import PLACE, summed
 from laticauda.compiling.formulas import in_numbers, rows_from
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.templates import bindings, named_after
+from laticauda.fluid.flow import Motion, felt
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.mujoco_water.table import LOADS
 
-_formula = bindings(__name__)["law"]
-_law = in_numbers(_formula, Element, MOTION)
-_given, _own = rows_from(0, LOADS), rows_from(0, len(_formula.fields))
+_names = bindings(__name__)
+_formula, _flow = _names.get("law"), summed(_names.get("flow", ()), len(Motion._fields))
+_felt, _any = compiled(felt), 1 << 40  # numbers at an address, as many as it takes
+if _formula is not None:
+    _law, _given, _own = in_numbers(_formula, Element, MOTION), rows_from(0, LOADS), rows_from(0, len(_formula.fields))
 
 
-def _call(moving, numbers):
+def _load(moving, numbers):
     a, own = carray(moving, (LOADS + 3,), np.float64), carray(numbers, (MOST_NUMBERS,), np.float64)
     a[LOADS], a[LOADS + 1], a[LOADS + 2] = _law(*_given(a), *_own(own))
 
 
+def _motion(place, numbers):
+    a = carray(place, (_any,), np.float64)
+    for k, one in enumerate(_felt(_flow(carray(numbers, (_any,), np.float64), 0, a[0], a[1], a[2], a[3]))):
+        a[PLACE + k] = one
+
+
 _numbers = types.CPointer(types.float64)
 call = cfunc(types.void(_numbers, _numbers), cache=True, **OPTIONS)(
-    named_after(__name__[__name__.rindex("_") + 1 :], _call)
+    named_after(__name__[__name__.rindex("_") + 1 :], _motion if _formula is None else _load)
 )

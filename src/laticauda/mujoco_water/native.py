@@ -180,12 +180,6 @@ def _call(where, *arguments):
 
 
 @intrinsic
-def call_1(typingctx, where, a):
-    """Call the function f(a) at the address `where`."""
-    return _call(where, a)
-
-
-@intrinsic
 def call_3(typingctx, where, a, b, c):
     """Call the function f(a, b, c) at the address `where`."""
     return _call(where, a, b, c)

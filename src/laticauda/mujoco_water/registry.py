@@ -16,6 +16,10 @@ _LOST = ctypes.create_string_buffer(
     b"this model has lost its water: an MJB file and a copy of a model that is long gone keep its mark alone; attach "
     b"the water again (a pickled model keeps it), or set model.opt.o_margin = 0 for a model without"
 )
+_FLOW_LOST = ctypes.create_string_buffer(
+    b"this model has lost the flow of its water, which keeps the last 64 that it and its copies were given: set it anew"
+)
+FLOW_LOST = ctypes.addressof(_FLOW_LOST)
 _lock = Lock()
 _previous: list[Any] = []
 _rows = [np.zeros((64, 2), dtype=np.int64)]  # the last array holds; threads may still read the ones before

@@ -26,7 +26,8 @@ from laticauda.formulas import MOST_NUMBERS
     ELEMENTS,  # records of numbers, see below
     WATER,  # numbers: see below
     LAWS,  # of each element: its law, a cfunc of two addresses; see law_entry
-    CURRENT,  # cfunc: x, y, z, t in, velocity, acceleration and rotation out behind them; 0: none, see AT_FLOW
+    FLOWS,  # of the last MOST_FLOWS flows: its number, its cfunc of two addresses (law_entry), that of its own numbers
+    FLOW_LOST,  # what is said where a model's flow is none of them any more
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
     GRID,  # of the terrain, see ground.Terrain.nodes
@@ -37,7 +38,7 @@ from laticauda.formulas import MOST_NUMBERS
     # offsets in the model
     AT_GRAVITY,
     AT_FLAGS,
-    AT_FLOW,  # four numbers of the model's own: velocity of the water [m/s], and 1 if that holds instead of CURRENT
+    AT_FLOW,  # four numbers of the model's own: velocity of the water [m/s], or 0 and the number of its flow
     AT_TIME_STEP,
     AT_ARMATURE,
     # offsets in the data
@@ -60,7 +61,7 @@ from laticauda.formulas import MOST_NUMBERS
     AT_SITE_XMAT,
     AT_SENSORDATA,
     TABLE_SIZE,
-) = range(50)
+) = range(51)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
@@ -95,3 +96,5 @@ OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] i
 
 # --- What a drag law is called with: velocities, the element's coefficients, and behind them its loads
 LOADS = MOTION + len(Element._fields)
+
+MOST_FLOWS = 64

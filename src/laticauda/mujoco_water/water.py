@@ -7,22 +7,24 @@ scratch memory is the data's own stack.
 
 import copyreg
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 from threading import Lock
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
+from laticauda.fluid.flow import Flow, FunctionFlow, rows_of
 from laticauda.mujoco_water import hydrostatics, native, registry, sensors
 from laticauda.mujoco_water import table as rows
 from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose, warn_of
 from laticauda.mujoco_water.elements import Element, geom_elements
-from laticauda.mujoco_water.functions import Current, compiled_current, compiled_law
+from laticauda.mujoco_water.functions import compiled_flow, compiled_law
 from laticauda.mujoco_water.ground import Terrain
 
+Current: TypeAlias = Flow | Callable[[float, float, float, float], tuple[float, ...]] | Sequence[float]
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one look at the forces at a time: where they go to stands in the table
 
@@ -53,13 +55,20 @@ class Water:
         """Whether the callback is in place: another package may have put its own there."""
         return registry.is_installed()
 
-    def set_current(self, velocity: Sequence[float]) -> None:
-        """Let the water of this model, and of copies that are made of it later, move with `velocity` from now on.
+    def set_current(self, current: Current | None) -> None:
+        """Let the water of this model, and of copies that are made of it later, move so from now on.
 
         Args:
-            velocity: World axes [m/s].
+            current: As for `attach`; None: as it was attached. A water keeps the last 64 flows that it was given; a
+                copy whose flow is none of them any more is refused.
         """
-        self._live().opt.o_friction[:4] = *(finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity)), 1.0
+        self._live().opt.o_friction[:4] = _motion(self.numbers, self.options["current"] if current is None else current)
+
+    @property
+    def current(self) -> Current:
+        """How the water of this model moves now: a flow or a function, or its velocity [m/s]."""
+        *velocity, number = self._live().opt.o_friction[:4].tolist()
+        return self.numbers["given"][int(number)][0] if number else tuple(velocity)
 
     def forces(self, data: Any) -> dict[str, np.ndarray]:
         """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
@@ -68,8 +77,9 @@ class Water:
             data: A `mujoco.MjData` of the model.
 
         Returns:
-            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass`, `buoyancy` and `effector` (thrust,
-            tether, wake, plate) [N]. The added mass is that of the accelerations in `data` afterward.
+            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with what accelerating water does to the
+            displaced one), `buoyancy` and `effector` (thrust, tether, wake, plate) [N]. The added mass is that of the
+            accelerations in `data` afterward.
         """
         out = np.zeros((len(self.elements), rows.OUT_SIZE))
         model = self._live()
@@ -106,7 +116,7 @@ def attach(
     elements: Iterable[Element] | None = None,
     *,
     density: float = 1000.0,
-    current: Sequence[float] | Current = (0.0, 0.0, 0.0),
+    current: Current = (0.0, 0.0, 0.0),
     surface: float | None = None,
     form: str = "kirchhoff",
     implicit_drag: bool = False,
@@ -122,10 +132,10 @@ def attach(
         model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it, or what holds one as `ptr`, as dm_control does.
         elements: What the water sees; None: `geom_elements`.
         density: rho, for the buoyancy [kg/m^3].
-        current: Velocity that the water moves to, world axes [m/s]; or a function of x, y, z [m] and t [s] that Numba
-            can compile and that returns three numbers, or nine: velocity, material acceleration [m/s^2] and half the
-            vorticity [rad/s]. Of three, the rest is found by differences.
-        surface: Height of the flat surface [m]; None: everything is covered.
+        current: How the water moves: its velocity, world axes [m/s]; or a flow (`laticauda.fluid.flow.Flow`), or a
+            function of x, y, z [m] and t [s] like one, which returns the velocity or the 16 numbers of a `Motion`. Its
+            z counts from the surface's mean height, its elevation of the surface lifts and wets.
+        surface: Mean height of the surface [m]; None: everything is covered.
         form: Velocity terms of the added mass: `kirchhoff`, the complete ones; `relative`, without the Munk moment; or
             `classic`, the bare acceleration.
         implicit_drag: Take the drag's slope into the inertia of the step. Stable at any step, and of first order in
@@ -171,7 +181,7 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     terrain = options["terrain"] or Terrain()
     water[rows.TERRAIN : rows.TERRAIN + 4] = terrain.profile
     bodies = np.array([body_of(model, element.body) for element in elements])
-    implicit_drag, current = options["implicit_drag"], options["current"]
+    implicit_drag = options["implicit_drag"]
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
     table, numbers = _table(model, elements, bodies, water)
@@ -180,14 +190,9 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     table[rows.FIRST_ORDER] = model.opt.integrator != load_mujoco().mjtIntegrator.mjINT_RK4
     numbers["nodes"] = terrain.nodes
     table[rows.GRID], table[rows.GRID_SIZE] = numbers["nodes"].ctypes.data, numbers["nodes"].size
-    velocity: Sequence[float] = (0.0, 0.0, 0.0)
-    if callable(current):
-        numbers["current"] = compiled_current(current)
-        table[rows.CURRENT] = numbers["current"].address
-    elif len(current) == 3:
-        velocity = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
-    else:
-        raise BadArgument("current", f"must be a function or 3 numbers, got {current!r}")
+    numbers["flows"], numbers["given"] = np.zeros(3 * rows.MOST_FLOWS, dtype=np.int64), {}
+    table[rows.FLOWS], table[rows.FLOW_LOST] = numbers["flows"].ctypes.data, registry.FLOW_LOST
+    moving = _motion(numbers, options["current"])
     numbers["sensors"] = sensors.take_over(model)
     table[rows.SENSORS], table[rows.N_SENSORS] = numbers["sensors"].ctypes.data, numbers["sensors"].size // 4
     if numbers["sensors"].size:
@@ -196,8 +201,31 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     copyreg.pickle(load_mujoco().MjModel, _reduced)
     handle = Water(model=weakref.ref(model), elements=elements, options=options, table=table, numbers=numbers)
     registry.enter(model, handle)
-    model.opt.o_friction[:4] = *velocity, 0.0
+    model.opt.o_friction[:4] = moving
     return handle
+
+
+def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, float, float]:
+    """What a model holds of how its water moves: a velocity [m/s], or 0 and the number of a flow, which is kept."""
+    velocity = (current.constant or current) if isinstance(current, Flow) else current
+    if not callable(velocity):
+        if len(velocity) != 3:
+            rule = "must be a flow, a function of x, y, z and t, or 3 numbers"
+            raise BadArgument("current", f"{rule}, got {velocity!r}")
+        x, y, z = (finite(f"current[{i}]", v, "m/s") for i, v in enumerate(velocity))
+        return x, y, z, 0.0
+    given = numbers["given"]
+    with _lock:
+        number = next((k for k, one in given.items() if one[0] is velocity), None)
+        if number is None:
+            flow = velocity if isinstance(velocity, Flow) else FunctionFlow(function=velocity)
+            parts, number = rows_of(flow), 1 + max(given, default=0)
+            entry = compiled_flow(flow, parts.kinds)
+            record = number, entry.address, parts.numbers.ctypes.data
+            given[number] = velocity, entry, parts
+            numbers["flows"].reshape(-1, 3)[number % rows.MOST_FLOWS] = record
+            given.pop(number - rows.MOST_FLOWS, None)
+    return 0.0, 0.0, 0.0, float(number)
 
 
 def _reduced(model: Any) -> Any:
@@ -205,15 +233,14 @@ def _reduced(model: Any) -> Any:
     water = registry.entry(model)
     if water is None:
         return model.__reduce_ex__(2)
-    return _restored, (model.__getstate__(), water.elements, water.options)
+    current = replace(water, model=weakref.ref(model)).current
+    return _restored, (model.__getstate__(), water.elements, water.options, current)
 
 
-def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, Any]) -> Any:
+def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, Any], current: Current) -> Any:
     model = load_mujoco().MjModel.__new__(load_mujoco().MjModel)
     model.__setstate__(state)
-    flow = model.opt.o_friction.copy()
-    _put(model, elements, options)
-    model.opt.o_friction[:] = flow
+    _put(model, elements, options).set_current(current)
     return model
 
 
@@ -249,7 +276,7 @@ def compiled(spec: Any) -> Any:
 
 def _table(
     model: Any, elements: Sequence[Element], bodies: np.ndarray, water: np.ndarray
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+) -> tuple[np.ndarray, dict[str, Any]]:
     first = np.zeros(model.nbody + 1, dtype=np.int64)
     first[1:] = np.cumsum(model.body_dofnum)
     arrays: dict[str, np.ndarray] = {

@@ -22,7 +22,7 @@ from laticauda.spatial.bodies import bodies, mounts
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")
 TIMESTEP = 2e-3  # [s]
-# Where a robot starts whose water gives no depth: far from surface and floor, as seen by the planar model [m].
+# Where a robot starts whose water gives no depth: far from surface and floor [m].
 DEPTH = 0.5
 
 
@@ -79,7 +79,7 @@ def spec(
         appearance.add_materials(model)
     if ballast_depth is None:
         ballast_depth = Spatial().ballast_depth if root == "free" else 0.0
-    _add_bodies(model, robot, start_height(robot, environment, around), root, ballast_depth)
+    _add_bodies(model, robot, start_height(robot, environment, around, root), root, ballast_depth)
     appearance.add_shapes(model, robot, files, visuals=visuals)
     if sensors:
         _add_sensors(model, robot)
@@ -138,16 +138,20 @@ def add_robot(model: Any, alone: Any, k: int) -> None:
     model.worldbody.add_frame().attach_body(alone.body("module_0"), prefix(k), "")
 
 
-def start_height(robot: Robot, environment: Environment, scene: Scene | None = None) -> float:
+def start_height(robot: Robot, environment: Environment, scene: Scene | None = None, root: str = "free") -> float:
     """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground.
+
+    In a flow, what cannot leave its plane is at the surface if the water gives no depth, as in the planar model.
 
     Args:
         robot: What swims.
         environment: The water it swims in or the ground it crawls on.
         scene: What is around it.
+        root: How module 0 is held.
     """
     if isinstance(environment, Water) and (scene is None or scene.ground is None):
-        return (0.0 if scene is None else scene.level) - (DEPTH if environment.depth is None else environment.depth)
+        deep = 0.0 if root == "planar" and environment.flow else DEPTH
+        return (0.0 if scene is None else scene.level) - (deep if environment.depth is None else environment.depth)
     heights = [module.section.half_height for module in robot.modules]
     fin = robot.caudal_fin
     highest = max([*heights, 0.5 * fin.height] if fin else heights)

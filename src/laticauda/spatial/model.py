@@ -12,6 +12,7 @@ import numpy as np
 from laticauda import mujoco_water as water
 from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
 from laticauda.errors import BadArgument
+from laticauda.fluid.flow import Flow
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
 from laticauda.kinematics import to_quaternion, turn
 from laticauda.mujoco_water import Element, ground
@@ -122,18 +123,21 @@ class SpatialPlant(Plant[Spatial]):
         ranges = self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
         return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
-    def in_current(self, velocity: Sequence[float]) -> "SpatialPlant":
+    def in_current(self, current: Sequence[float] | Flow) -> "SpatialPlant":
         """The same in other water; they share a model in MuJoCo, so one of them marches at a time.
 
         Args:
-            velocity: Of the water along x and y [m/s].
+            current: Velocity of the water along x and y [m/s], or a flow.
         """
-        if not isinstance(self.environment, Water):
+        before = self.environment
+        if not isinstance(before, Water):
             raise BadArgument("environment", "must be a Water to have a current, got a Ground")
-        x, y = velocity
-        current = x, y, self.environment.uniform[2]
-        other = replace(self, environment=replace(self.environment, current=current))
-        vars(other)["_twin"] = self._twin
+        if not isinstance(current, Flow):
+            current = current[0], current[1], before.uniform[2]
+        now = replace(before, current=current)
+        other = replace(self, environment=now)
+        if bool(now.flow) == bool(before.flow):  # else it may lie elsewhere
+            vars(other)["_twin"] = self._twin
         return other
 
     @cached_property
@@ -208,8 +212,7 @@ class SpatialPlant(Plant[Spatial]):
     def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector, and log it."""
         values = values.copy()
-        current = self.environment.uniform if isinstance(self.environment, Water) else None
-        return values, self._twin.run([values], [given], steps, dt, every, current)
+        return values, self._twin.run([values], [given], steps, dt, every, self.environment)
 
     def _as_it_is(self, state: PlantState) -> np.ndarray:
         return self._go(state.values, self._let_go(), 0, 1.0, 1)[1]

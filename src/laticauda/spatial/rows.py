@@ -54,10 +54,11 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     AT_SUBTREE_COM,
     AT_CVEL,
     AT_CFRC_EXT,
+    AT_TIME,
     HAS_SCENE,  # contact forces are part of the state then
     N_FIN_BODIES,  # whose contacts are those of the tail link
     SETUP_SIZE,
-) = range(21)
+) = range(22)
 
 # --- Where, in arrays of all robots in one scene, those of each begin; a last row says where they end
 (FIRST_STATE, FIRST_GIVEN, FIRST_JOINT, FIRST_BODY, FIRST_COLUMN, FIRST_QPOS, FIRST_QVEL, PLACES) = range(8)

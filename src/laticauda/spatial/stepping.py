@@ -23,7 +23,7 @@ from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.mujoco_water.native import forces_after, forward_skip, integrate_positions
-from laticauda.mujoco_water.vectors import field
+from laticauda.mujoco_water.vectors import field, numbers
 from laticauda.spatial.rows import *
 
 _drives = bindings(__name__)["drives"]
@@ -110,12 +110,19 @@ def of_robot(W, r):
 
 
 @kernel
+def advance(N, X, C, J, R, dt):
+    """One robot's generator, and the time in the data, at which the water is looked at."""
+    advance_reference(X, C, J, R, dt)
+    numbers(N[DATA] + N[AT_TIME], 1)[0] = X[TIME]
+
+
+@kernel
 def put_all(W, qpos, qvel, hold, dt):
     """`put_on_reference` for all robots, after dt more of their generators."""
     for r in range(len(W[0])):
         N, X, C, J, R, _, _, q, v = of_robot(W, r)
         if dt > 0.0:
-            advance_reference(X, C, J, R, dt)
+            advance(N, X, C, J, R, dt)
         put_on_reference(N, qpos[q:], qvel[v:], J, R, hold[v:])
 
 
@@ -174,7 +181,7 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
         qvel[i] = v0[i] + dt * first[i]
     for r in range(len(W[0])):
         M, X, C, J, R, _, K, q, v = of_robot(W, r)
-        advance_reference(X, C, J, R, dt)
+        advance(M, X, C, J, R, dt)
         second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
     evaluate(N)
     for i in range(n):
@@ -327,6 +334,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     for r in range(n_robots):
         _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
         set_reference(X, C_r, J_r, R)
+        numbers(M[DATA] + M[AT_TIME], 1)[0] = X[TIME]
     implicit, led = N[:, IS_IMPLICIT].max() != 0, C[IS_LED] != 0.0
     two_ways = implicit and any_prescribed(J)
     if led:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from laticauda import robot, series
+from laticauda import series
 from laticauda.dynamics.plant import PlantState
 from laticauda.interfaces import Command, Start
 from laticauda.spatial import model, rows, scene, twin
@@ -23,7 +23,7 @@ class Together:
         self.plants, first = plants, plants[0]
         others = [(plant.robot, plant.settings) for plant in plants[1:]]
         self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
-        self._current = first.environment.uniform if isinstance(first.environment, robot.Water) else None
+        self._environment = first.environment
 
     def init(self, starts: Sequence[Start], commands: Sequence[Command]) -> list[PlantState]:
         """The states at time 0; see `Plant.init`.
@@ -56,7 +56,7 @@ class Together:
         given = [plant._rows(command) for plant, command in zip(self.plants, commands, strict=True)]
         ends = [plant._begun(a, b) for plant, a, b in zip(self.plants, each, commands, strict=True)]
         dt = duration / n_intervals / every
-        log = self.twin.run(ends, given, n_intervals * every, dt, every, self._current)
+        log = self.twin.run(ends, given, n_intervals * every, dt, every, self._environment)
         parts = np.split(log, self.twin.places[1:-1, rows.FIRST_COLUMN], axis=1)
         known = list(zip(self.plants, commands, strict=True))
         logs = [plant._log(part, command) for (plant, command), part in zip(known, parts, strict=True)]

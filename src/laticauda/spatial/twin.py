@@ -14,7 +14,7 @@ from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import FORCES, has_hinges, joint_table
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
-from laticauda.robot import Environment, Ground, Robot, Scene
+from laticauda.robot import Environment, Ground, Robot, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass, fin_bodies
@@ -59,6 +59,7 @@ class Twin:
         self._hold = self.water.numbers["hold"] = np.zeros(2 * int(self.model.nv))
         self.water.table[table.HOLD] = self._hold.ctypes.data
         self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = 1, 0  # its steps are its own
+        self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level  # from which a flow counts z
         self._stepping = stepping(setup.joints)
 
     def _attach(self, elements: Sequence[water.Element], environment: Environment, setup: Spatial) -> water.Water:
@@ -69,7 +70,7 @@ class Twin:
             self.model,
             elements,
             density=environment.density,
-            current=environment.uniform,
+            current=environment.flow or environment.uniform,
             surface=around.level if floats(setup) else None,
             form=environment.added_mass_form,
             terrain=around.terrain,
@@ -109,7 +110,7 @@ class Twin:
 
     def _numbers(self, robot: Robot, setup: Spatial, n_bodies: int) -> np.ndarray:
         base = (3, 3) if setup.root == "planar" else (7, 6)
-        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel", "cfrc_ext")
+        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel", "cfrc_ext", "time")
         return np.array(
             [
                 self.model._address,
@@ -135,15 +136,15 @@ class Twin:
         steps: int,
         dt: float,
         every: int,
-        current: tuple[float, ...] | None,
+        environment: Environment,
     ) -> np.ndarray:
-        """Advance the states of `each` in place; the samples of all. The `current` is that of the water now [m/s]."""
+        """Advance the states of `each` in place; the samples of all. The `environment` has the water's motion now."""
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
-            if current is not None:
-                self.water.set_current(current)
+            if isinstance(environment, Water):
+                self.water.set_current(environment.flow or environment.uniform)
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
             for end, (_, _, effectors) in zip(self._ends, given, strict=True):
                 for record, element in zip(records[end - len(effectors) : end], effectors, strict=True):

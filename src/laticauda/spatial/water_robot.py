@@ -33,15 +33,16 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
     Args:
         robot: What swims.
         environment: The water it swims in, or the ground it crawls on in the plane.
-        floats: Whether the elements have their volumes.
+        floats: Whether it has weight and buoyancy. Else volumes, which accelerating water carries along, are spread as
+            in the planar model.
     """
     c = link_coefficients(robot, environment)
     found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
     if robot.caudal_fin is not None and c.fin is not None:
-        found += _fin(robot.caudal_fin, c.fin, environment)
+        found += _fin(robot.caudal_fin, c.fin, environment, floats)
     found += _ends(robot, environment) if isinstance(environment, Water) else []
     found += mounted_elements(robot, environment)  # last of all, where the twin finds them
-    return tuple(found) if floats else tuple(replace(e, volume=0.0) for e in found)
+    return tuple(found)
 
 
 def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool) -> tuple[Element, ...]:
@@ -117,8 +118,8 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
     )
 
 
-def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Element]:
-    h = 0.5 * fin.height
+def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool) -> list[Element]:
+    h, density = 0.5 * fin.height, environment.density if isinstance(environment, Water) else 1.0
     found: list[Element] = []
     bodies = [(body.name, piece) for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True)]
     for k in range(c.mass.size):
@@ -133,6 +134,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
                 torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
                 added_mass=(float(c.mu_t[k]), mu_n, 0.0),
                 added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
+                volume=0.0 if floats else float(c.displaced[k]) / density,
                 shape="box",
                 half_size=(0.5 * d, 0.5 * fin.thickness, h),
                 law=law_of(environment),
@@ -141,7 +143,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
     # The plate as a whole floats, its opening included, as it is its whole that has the mass.
     for body, piece in bodies:
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
-        volume = fin.volume * piece.length / fin.length
+        volume = fin.volume * piece.length / fin.length if floats else 0.0
         place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
         found.append(Element(**place, volume=volume, law=law_of(environment)))
     return found
