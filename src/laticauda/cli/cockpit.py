@@ -29,10 +29,7 @@ class Tank:
         "is left out, as in the lab",
         default=False,
     )
-    trial: File = option(
-        "The same, with robot, connections and marker body as in this trial file of `laticauda operate` (.toml)",
-        default=None,
-    )
+    trial: File = option("The same, with robot, connections and marker body of this trial file (.toml)", default=None)
     can: str | None = option(
         "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; that of the trial file, or of the lab, if left out",
         default=None,

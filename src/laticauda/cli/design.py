@@ -91,8 +91,7 @@ class DesignExperiment(Command):
     unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
     robot: str | None = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
     base: str | None = option(
-        "A parameter file with the numbers that are not identified, and a joint law; the paper's if left out",
-        default=None,
+        "Parameter file: numbers not identified, joint law; the paper's if left out", default=None
     )
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)

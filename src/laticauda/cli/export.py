@@ -24,10 +24,7 @@ class Urdf(command.Command):
     output: Annotated[flags.Output, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
-    meshes: flags.Files = option(
-        "One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output",
-        default=(),
-    )
+    meshes: flags.Files = option("STL or OBJ per module, tail first (meters, its frame); copied along", default=())
 
     def run(self) -> command.Outcome:
         """Write the file."""

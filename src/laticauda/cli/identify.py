@@ -84,10 +84,7 @@ class Identify(Command):
     --parameters of other commands, the report identify.html, fit.json, figures and tables.
     """
 
-    files: Inputs = option(
-        "One TOML file that says everything, or trials: netCDF, MCAP, and with --columns CSV, C3D, TSV and more",
-        default=(),
-    )
+    files: Inputs = option("One TOML file that says all, or trials: netCDF, MCAP, or with --columns others", default=())
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How", default=Method())

@@ -74,8 +74,7 @@ class LabCommand(Command):
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
     save: NetCdf = option(
-        "Write what was really so, since the robot was last put into the water, to this netCDF file (.nc)",
-        default=None,
+        "Write the truth since the robot was last put into the water to this file (.nc)", default=None
     )
 
     @classmethod

@@ -24,10 +24,7 @@ class Serve(Command):
     host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
     max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
-    robots: flags.Files = option(
-        "TOML files of robots that clients may ask for by their file's name without .toml, besides the presets",
-        default=(),
-    )
+    robots: flags.Files = option("TOML files of robots that clients may name, without .toml, like presets", default=())
 
     def run(self) -> None:
         """Serve until Ctrl-C."""

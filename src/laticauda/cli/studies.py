@@ -51,10 +51,7 @@ class SweepCommand(Study):
     seed: int | None = quantity("", "Of the samples; another one gives other points", ge=0, default=None)
     list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
     scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
-    output: Folder = option(
-        "The folder of the results; a sweep that was stopped goes on there when the same command is run again",
-        default="sweep",
-    )
+    output: Folder = option("The folder of results; the same command goes on there after a stop", default="sweep")
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
     ] = option(

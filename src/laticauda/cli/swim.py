@@ -79,15 +79,9 @@ class Swim(Run):
     """
 
     resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
-    interval: bool = option(
-        "Say between what the figures lie if the textbook's coefficients lie in their intervals, by 8 more runs",
-        default=False,
-    )
+    interval: bool = option("Intervals of the figures from those of textbook coefficients; 8 more runs", default=False)
 
-    beside: Files = option(
-        "Scenario files of further robots in the same scene; --save run.nc writes their trials to run-1.nc and so on",
-        default=(),
-    )
+    beside: Files = option("Scenarios of further robots in the same scene; --save run.nc: run-1.nc, ...", default=())
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:

@@ -15,10 +15,7 @@ TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a
 class OfTrials(command.Command):
     """A command about stored trials."""
 
-    columns: flags.File = option(
-        "What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs",
-        default=None,
-    )
+    columns: flags.File = option("A TOML file of what a foreign log's columns are (CSV, C3D, .mat, ...)", default=None)
 
 
 @value
@@ -70,9 +67,7 @@ class Convert(OfTrials):
     """
 
     file: flags.Input = option(TRIAL)
-    output: flags.Output = option(
-        "The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced"
-    )
+    output: flags.Output = option("The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv")
 
     def run(self) -> command.Outcome:
         """Read and write."""

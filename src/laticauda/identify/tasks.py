@@ -94,12 +94,7 @@ class TrialFile:
         default_factory=dict[str, float],
         check=numbers_by_name("standard deviation"),
     )
-    interval: float = quantity(
-        "s",
-        "Between the samples of a series that count: the noise of closer ones is hardly new",
-        default=0.5,
-        gt=0.0,
-    )
+    interval: float = quantity("s", "Between samples that count; closer ones' noise is hardly new", default=0.5, gt=0.0)
     free_start: bool = option(
         "Whether place and heading at the begin are identified too where path or heading counts: the first sample has "
         "noise as all others have, and would push them all",

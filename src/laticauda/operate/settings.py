@@ -120,13 +120,9 @@ class Calibration:
     joint_zeros: bool = option("whether joint zeros are measured", default=False)
     max_joint_zero: float = quantity("rad", "larger zeros are refused", gt=0.0, default=math.radians(5.0))
     marker_module: int = quantity("", "the module that carries the rigid body, 0 = tail", ge=0, default=0)
-    marker_offset: Offset = quantity(
-        "m", "of the rigid body from the middle of its module: toward the head, to the left, and up", default=(0.0, 0.0)
-    )
+    marker_offset: Offset = quantity("m", "of the body from mid-module: toward the head, left, up", default=(0.0, 0.0))
     marker_yaw: float = quantity("rad", "direction of the rigid body's x axis to the module's", default=0.0)
-    straight_heading: float | None = quantity(
-        "rad", "heading of the straight robot at the calibration, tank frame, if it is known", default=None
-    )
+    straight_heading: float | None = quantity("rad", "when calibrated straight, in the tank; if known", default=None)
     idle_time: float = quantity("s", "how long the current at rest is averaged", gt=0.0, default=3.0)
     still_speed: float = quantity("m/s", "slower than this the robot is still", gt=0.0, default=0.01)
     still_rate: float = quantity("rad/s", "the same for its turning rate", gt=0.0, default=math.radians(2.0))

@@ -91,7 +91,7 @@ class CaudalFin:
     root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
     """
 
-    length: float = quantity("m", "From the root to the trailing edge, opening included", gt=0.0, le=100.0, default=0.5)
+    length: float = quantity("m", "Length from the root to the rear, opening included", gt=0.0, le=100.0, default=0.5)
     height: float = quantity("m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09)
     opening_length: float = quantity("m", "Length of the opening, which begins at the root", ge=0.0, default=0.12)
     opening: Literal["open", "closed"] = option("`closed`: the plate reaches to the root", default="open")
@@ -102,9 +102,7 @@ class CaudalFin:
     added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)
     density: float = quantity("kg/m^3", "Of the material; the default floats in fresh water", gt=0.0, default=1000.0)
     n_hinges: int = quantity("", "Passive hinges that stand for its bending; 0: rigid", ge=0, le=MOST_HINGES, default=0)
-    flexural_rigidity: float | None = quantity(
-        "N m^2", "E I of the plate, needed with hinges; E h t^3 / 12 for one material", gt=0.0, default=None
-    )
+    flexural_rigidity: float | None = quantity("N m^2", "E I, needed with hinges (E h t^3 / 12)", gt=0.0, default=None)
     bending_damping: float = quantity("N m^2 s", "eta I of the plate, eta its viscosity", ge=0.0, default=0.0)
     joint: Joint | None = option("A driven hinge at the root, or None", default=None)
 

@@ -74,9 +74,7 @@ class Optimization:
         default=None,
     )
 
-    beyond_actuators: bool = option(
-        "Whether points count whose actuators have too little torque or speed, or whose links overlap", default=False
-    )
+    beyond_actuators: bool = option("Count points of too weak or slow actuators, or overlapping links", default=False)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

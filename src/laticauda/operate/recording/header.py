@@ -25,9 +25,7 @@ Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 class Header:
     """What a recording says about the whole operation."""
 
-    run: Experiment = option(
-        "what swims, in what, by which gait, as far as it is known; density and current count for the figures"
-    )
+    run: Experiment = option("what swims, in what, by which gait, if known; density and current count for figures")
     controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
     estimator: Estimators | None = option(
         "what says where the robot is, for a replay; the plant of an `Estimator` is kept as `twin`", default=None
