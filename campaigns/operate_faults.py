@@ -45,9 +45,9 @@ from laticauda.gaits import envelope_of
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import run_stepped
+from laticauda.operate.loop import TankDevices, run_loop
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, PlainSink
+from laticauda.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.operate.safety.transitions import BY_EVENT
 from laticauda.operate.session import header_of
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
@@ -100,7 +100,7 @@ class Computer(Tank):
         self.limp_at = None if moving else self.limp_at if self.limp_at is not None else self.time
 
 
-class FullDisk(PlainSink):
+class FullDisk(Sink):
     """A recorder that cannot write from some time on."""
 
     def __init__(self, recorder: OperationRecorder, at: float) -> None:
@@ -182,7 +182,7 @@ def run_one(seed: int, folder: Path, *, rate: float = 50.0, duration: float = 30
     try:
         with OperationRecorder(path, header_of(operator)) as recorder:
             sink = FullDisk(recorder, ours.get("full_disk", math.inf))
-            last = run_stepped(operator, tank, keys=keys, sink=sink, longest=120.0)
+            last, _ = run_loop(operator, TankDevices(tank), keys=keys, sink=sink, longest=120.0)
     except Exception as error:
         outcome.wrong.append(f"an exception came out: {type(error).__name__}: {error}")
         return outcome

@@ -27,7 +27,7 @@ import laticauda as lc
 from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate.files import load_operation
 from laticauda.operate.series import Series, run_series
-from laticauda.operate.session import Result, operate_stepped
+from laticauda.operate.session import Result, operate
 from laticauda.operate.settings import Operation
 from laticauda.paper.measured import path_following_trials
 from laticauda.paper.repeats import TABLE2
@@ -47,7 +47,10 @@ def operated(operation: Operation, folder: Path) -> Result:
     servos = lc.plant(robot, operation.pool(), joints="servo")
     world = VirtualRobot(robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading))
     twin = lc.plant(robot, operation.pool(), joints="servo")
-    return operate_stepped(operation, folder, Tank(world, LabSettings(seed=seed)), twin=twin, frames=False)
+    meter = "" if operation.supply_voltage is None else "stepped"
+    operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
+    (folder / f"{operation.name}.mcap").unlink(missing_ok=True)  # of a run that was stopped or rejected
+    return operate(operation, folder, tank=Tank(world, LabSettings(seed=seed)), twin=twin, frames=False)
 
 
 def simulated(operation: Operation) -> lc.Trial:

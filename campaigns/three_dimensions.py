@@ -31,7 +31,7 @@ from laticauda.control import Following
 from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.files import load_operation
-from laticauda.operate.loop import run_stepped
+from laticauda.operate.loop import TankDevices, run_loop
 from laticauda.spatial.scene import Pipe
 
 ROBOT, WATER = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")
@@ -87,7 +87,8 @@ def operated() -> bool:
             asked = profile.locate(0, np.array([along, 0.0]))[1].cross_track_error  # height of 0 above the profile
             rows.append((state.now, z + asked, math.hypot(x - 3.0, y) - 1.5, along))
 
-    state = run_stepped(Operator(operation=operation), tank, show=show)
+    devices = TankDevices(tank, has_meter=False)
+    state, _ = run_loop(Operator(operation=operation), devices, show=show, longest=600.0)
     time, height, radius, _ = np.array(rows).T
     fine = judged("examples/lab/pipe.toml in the lab", time, {"depth": (height, 0.02), "path": (radius, 0.1)})
     return fine and not state.failure and not state.stopped_by

@@ -12,7 +12,7 @@ import laticauda as lc
 from laticauda.control import Following
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import run_stepped
+from laticauda.operate.loop import TankDevices, run_loop
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
 operation = Operation(
@@ -40,7 +40,7 @@ def operated(*faults: Fault) -> None:
             if event.kind != "phase":
                 print(f"{event.time:7.2f} s  {event.message}")
 
-    state = run_stepped(Operator(operation=operation), tank, show=show)
+    state, _ = run_loop(Operator(operation=operation), TankDevices(tank), show=show)
     where, truth = state.estimate, tank.truth
     print(f"p_y {where.center_of_mass[1]:.3f} m (true {truth.center_of_mass[1]:.3f})", end=", ")
     print(f"heading {degrees(where.heading):.1f} deg (true {degrees(truth.heading):.1f})")

@@ -15,9 +15,9 @@ from laticauda.interfaces import ORIENTATION, Start
 from laticauda.kinematics import from_quaternion, module_poses, turn
 from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import run_stepped
+from laticauda.operate.loop import TankDevices, run_loop
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, PlainSink
+from laticauda.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.session import header_of
 from laticauda.operate.settings import Calibration, CaptureVolume, Operation
@@ -86,7 +86,7 @@ def test_a_depth_is_steered_through_wires_and_cameras_and_stands_in_the_recordin
 
     path = tmp_path / "dive.mcap"
     with OperationRecorder(path, header_of(operator)) as recorder:
-        state = run_stepped(operator, tank, sink=PlainSink(recorder), show=show)
+        state, _ = run_loop(operator, TankDevices(tank, has_meter=False), sink=Sink(recorder), show=show, longest=600.0)
     truth, measured = np.array(depths).T
     assert (state.failure, state.stopped_by) == ("", "")
     assert truth[-1] - truth[0] > 0.03

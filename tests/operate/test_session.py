@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,11 +20,12 @@ from laticauda.control import Following
 from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock, DeviceFailed
-from laticauda.operate.loop import TankDevices, TankTime, run_loop, run_stepped
+from laticauda.operate.loop import TankDevices, TankTime, run_loop
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, PlainSink, RecordingSink
-from laticauda.operate.session import header_of, operate, operate_stepped, result_of, table
+from laticauda.operate.recording.recorder import OperationRecorder, Sink
+from laticauda.operate.session import header_of, operate, result_of, table
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
 from laticauda.operate.terminal import Keys
 from laticauda.protocol import NodeState, bus_address
@@ -57,6 +59,11 @@ def tank(*faults: Fault) -> Tank:
     world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
     nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
     return Tank(world, LabSettings(seed=1, nodes=nodes), faults)
+
+
+def stepped(operator: Operator, tank: Tank, **how) -> OperatorState:
+    """Operate a tank without wires until it is done: the last state."""
+    return run_loop(operator, TankDevices(tank), longest=600.0, **how)[0]
 
 
 def is_limp(tank: Tank) -> bool:
@@ -193,7 +200,7 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     operator = Operator(operation=operation(duration=1.0))
     path = tmp_path / "a.mcap"
     with OperationRecorder(path, header_of(operator)) as recorder:
-        state = run_stepped(operator, tank(), sink=PlainSink(recorder))
+        state = stepped(operator, tank(), sink=Sink(recorder))
     result = result_of(operator, state, path, None)
     assert result.accepted, result.reason
     log = read_operation(path)
@@ -218,7 +225,7 @@ class Failing(Operator):
 
 def test_one_error_of_the_tick_stops_the_robot_and_not_the_program():
     swum = tank()
-    state = run_stepped(Failing(operation=operation(duration=20.0), fails=(6.0, 6.01)), swum)
+    state = stepped(Failing(operation=operation(duration=20.0), fails=(6.0, 6.01)), swum)
     assert state.begun is not None
     assert state.begun < 6.0
     assert state.stopped_by == "program_error"
@@ -228,7 +235,7 @@ def test_one_error_of_the_tick_stops_the_robot_and_not_the_program():
 def test_an_error_at_every_tick_gives_up_with_an_emergency_stop():
     swum = tank()
     with pytest.raises(RuntimeError, match="given up with an emergency stop: ZeroDivisionError: a slip"):
-        run_stepped(Failing(operation=operation(duration=20.0), fails=(6.0, math.inf)), swum)
+        stepped(Failing(operation=operation(duration=20.0), fails=(6.0, math.inf)), swum)
     assert {node.state for node in swum.nodes} == {NodeState.FAULT}
 
 
@@ -239,8 +246,9 @@ def test_ticks_that_a_computer_missed_are_not_made_up_for():
 
     swum, ticks = tank(), []
     what = Operator(operation=operation(duration=3.0))
-    devices = TankDevices(swum, has_meter=True)
-    state, timing = run_loop(what, devices, Sleepy(swum), show=lambda state, _: ticks.append(state.now))
+    devices = TankDevices(swum)
+    devices.clock = Sleepy(swum)
+    state, timing = run_loop(what, devices, show=lambda state, _: ticks.append(state.now))
     assert state.is_done
     assert timing is None  # a tank's time is never late by itself
     periods = np.diff(ticks)
@@ -251,14 +259,14 @@ def test_ticks_that_a_computer_missed_are_not_made_up_for():
 def test_a_full_disk_stops_the_robot(tmp_path: Path):
     operator = Operator(operation=operation(duration=20.0))
     with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
-        sink = PlainSink(recorder)
+        sink = Sink(recorder)
 
         def show(state, outputs):
             if state.begun is not None and state.now - state.begun > 0.5:
                 sink.trouble = "no space left on device"
 
         swum = tank()
-        state = run_stepped(operator, swum, sink=sink, show=show)
+        state = stepped(operator, swum, sink=sink, show=show)
     assert state.stopped_by == "recorder_failed"
     assert state.supervisor.state == "fault"
     assert is_limp(swum)
@@ -267,7 +275,8 @@ def test_a_full_disk_stops_the_robot(tmp_path: Path):
 def test_a_recorder_that_fails_in_its_thread_says_so_and_does_not_wait(tmp_path: Path):
     operator = Operator(operation=operation())
     with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
-        with RecordingSink(recorder) as sink:
+        with ThreadPoolExecutor(1) as thread:
+            sink = Sink(recorder, thread=thread)
             sink.tick(operator.init(), None, (), None)  # type: ignore[arg-type]  # what cannot be written
             end = time.monotonic() + 3.0
             while not sink.trouble and time.monotonic() < end:
@@ -277,7 +286,7 @@ def test_a_recorder_that_fails_in_its_thread_says_so_and_does_not_wait(tmp_path:
 
 def test_the_vendors_faults_of_a_tank_are_seen_for_what_they_are():
     swum = tank(Fault(kind="leak", time=3.5, node=4))
-    state = run_stepped(Operator(operation=operation(duration=10.0)), swum)
+    state = stepped(Operator(operation=operation(duration=10.0)), swum)
     assert state.stopped_by == "leak"
     assert is_limp(swum)
 
@@ -300,7 +309,7 @@ def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_n
         stalled = np.where(stands, stalled + 0.02, 0.0)
         longest = max(longest, float(stalled.max()))
 
-    state = run_stepped(Operator(operation=turning), swum, show=show)
+    state = stepped(Operator(operation=turning), swum, show=show)
     assert longest > 0.5  # as long as a module once took for a jam
     assert state.stopped_by == ""
     assert state.supervisor.state == "idle", state.supervisor.cause
@@ -314,7 +323,7 @@ def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
         if state.ended is not None and not swum.faults.present:
             swum.inject(Fault(kind="over_temperature", time=swum.time, node=4))
 
-    result = result_of(operator, run_stepped(operator, swum, show=show), None, None)
+    result = result_of(operator, stepped(operator, swum, show=show), None, None)
     assert result.accepted
     assert result.reason == "The run reached its end."
     assert result.aftermath == "After the run, a module is too hot. Look at the robot, then start with `--clear`."
@@ -347,7 +356,7 @@ USUAL = Limits(straighten_time=1.0)
 
 def test_a_clock_of_the_cameras_that_jumps_while_the_robot_settles_delays_the_run_and_no_more():
     swum = jumping(2.3, 1.5, dark=0.6)
-    state = run_stepped(Operator(operation=operation(duration=1.0, limits=USUAL)), swum)
+    state = stepped(Operator(operation=operation(duration=1.0, limits=USUAL)), swum)
     assert state.failure == ""
     assert state.begun is not None
     assert state.begun > 2.3
@@ -357,7 +366,7 @@ def test_a_clock_of_the_cameras_that_jumps_while_the_robot_settles_delays_the_ru
 @pytest.mark.parametrize(("dark", "stopped_by"), [(0.6, ""), (2.5, "lost_mocap")])
 def test_cameras_that_stand_still_in_a_run_are_bridged_or_stop_it(dark: float, stopped_by: str):
     swum = jumping(8.0, dark, dark=dark)
-    state = run_stepped(Operator(operation=operation(duration=8.0, limits=USUAL)), swum)
+    state = stepped(Operator(operation=operation(duration=8.0, limits=USUAL)), swum)
     assert state.stopped_by == stopped_by
     assert is_limp(swum)
     if not stopped_by:
@@ -370,7 +379,7 @@ def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     plain = operation(duration=4.0, limits=USUAL)
     swum = tank()
     twin = lc.plant(plain.body(), plain.pool(), joints="servo")
-    result = operate_stepped(plain, tmp_path, swum, twin=twin, frames=False)
+    result = operate(plain, tmp_path, tank=swum, twin=twin, frames=False)
     assert result.accepted, result.reason
     assert result.trial is not None
     assert result.recording is not None
@@ -392,7 +401,7 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
         robot=str(tmp_path / "driven.toml"), gait=replace(GAIT, fin=wave), following=None, duration=8.0, ramp=1.0
     )
     twin = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
-    result = operate_stepped(what, tmp_path, tank_, twin=twin)
+    result = operate(what, tmp_path, tank=tank_, twin=twin)
     assert result.accepted, result.reason
     trial, truth = result.trial, tank_.body.trial("0")
     assert trial is not None

@@ -27,6 +27,9 @@ Show = Callable[[OperatorState, Outputs], None]
 class Devices:
     """What the loop takes from and sends to."""
 
+    clock: Clock
+    """What stamps what comes in."""
+
     def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
         """Everything that came in since the last call, and the raw frames of the bus; `now` in s."""
         raise NotImplementedError
@@ -39,10 +42,12 @@ class Devices:
         """The run begins: what averages begins anew."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Wired(Devices):
     """The drivers that are connected."""
 
+    clock: Clock
+    """Theirs."""
     can: CanDriver
     """The modules' bus."""
     mocap: MocapDriver
@@ -91,25 +96,23 @@ def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
             MocapDriver(connection.mocap_host, connection.mocap_port, connection.mocap_body, clock)
         )
         meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None
-        yield Wired(can=can, mocap=mocap, meter=meter)
+        yield Wired(clock=clock, can=can, mocap=mocap, meter=meter)
 
 
 def run_loop(
     operator: Operator,
     devices: Devices,
-    clock: Clock,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
     sink: recorder.Sink | None = None,
     show: Show | None = None,
-    longest: float = float("inf"),
+    longest: float = math.inf,
 ) -> tuple[OperatorState, entries.Timing | None]:
     """Operate until it is done.
 
     Args:
         operator: What to do.
         devices: Connected.
-        clock: That of the devices.
         keys: What the operator has pressed by a time [s].
         sink: What keeps the record; None: nothing does.
         show: Called with every tick.
@@ -121,7 +124,7 @@ def run_loop(
     Raises:
         RuntimeError: If it is not done by then, or the operator's program fails again and again.
     """
-    sink, interval = sink or recorder.Sink(), 1.0 / operator.operation.rate
+    clock, interval = devices.clock, 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
     ticks: list[entries.Tick] = []
     with clock.undisturbed():
@@ -133,7 +136,7 @@ def run_loop(
                 raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
             clock.wait_until(due)
             now = clock.now()
-            ours = {**keys(now), "recorder_failed": sink.trouble, "program_error": error}
+            ours = {**keys(now), "recorder_failed": sink.trouble if sink else "", "program_error": error}
             inputs, received = devices.receive(now)
             inputs = replace(inputs, events={**inputs.events, **{event: why for event, why in ours.items() if why}})
             try:
@@ -149,7 +152,8 @@ def run_loop(
                 devices.begin_run()
             if clock.is_real:
                 ticks.append(entries.Tick(due, now, clock.now()))
-            sink.tick(state, outputs, (*received, *sent), ticks[-1] if ticks else None)
+            if sink is not None:
+                sink.tick(state, outputs, (*received, *sent), ticks[-1] if ticks else None)
             if show is not None:
                 show(state, outputs)
             count += 1
@@ -159,35 +163,6 @@ def run_loop(
 
 
 METER_INTERVAL = 0.2  # between two queries of the meter [s]
-
-
-def run_stepped(
-    operator: Operator,
-    tank: lab.Tank,
-    *,
-    keys: Callable[[float], Mapping[str, str]] = lambda now: {},
-    sink: recorder.Sink | None = None,
-    show: Show | None = None,
-    longest: float = 600.0,
-) -> OperatorState:
-    """Operate a tank until it is done: `run_loop` with the tank's own time and devices.
-
-    Args:
-        operator: What to do.
-        tank: What is operated.
-        keys: What the operator has pressed by a time [s].
-        sink: What keeps the record; None: nothing does.
-        show: Called with every tick.
-        longest: After which it is given up [s].
-
-    Returns:
-        The last state.
-
-    Raises:
-        RuntimeError: As `run_loop`.
-    """
-    devices = TankDevices(tank, has_meter=bool(operator.operation.connection.meter_port))
-    return run_loop(operator, devices, TankTime(tank), keys=keys, sink=sink, show=show, longest=longest)[0]
 
 
 class TankTime(Clock):
@@ -226,7 +201,8 @@ class TankDevices(Devices):
         has_meter: Whether its power meter is read.
     """
 
-    def __init__(self, tank: lab.Tank, *, has_meter: bool) -> None:
+    def __init__(self, tank: lab.Tank, *, has_meter: bool = True) -> None:
+        self.clock = TankTime(tank)
         self._tank, self._has_meter = tank, has_meter
         self._queried = -math.inf
 

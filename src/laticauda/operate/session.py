@@ -1,6 +1,8 @@
 """One operation from the connections to the trial: devices, loop, recording, figures."""
 
+import math
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +17,7 @@ from laticauda.operate.course.state import OperatorState
 from laticauda.operate.recording import log, to_trial
 from laticauda.operate.recording.entries import Timing
 from laticauda.operate.recording.header import Header
-from laticauda.operate.recording.recorder import OperationRecorder, PlainSink, RecordingSink
+from laticauda.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of
 from laticauda.trial import Trial, following
 
@@ -103,12 +105,14 @@ def operate(
     folder: Path | None,
     *,
     clock: drivers.Clock | None = None,
+    tank: lab.Tank | None = None,
     keys: terminal.Keys | None = None,
     show: loop.Show | None = None,
     clears: bool = False,
     check_only: bool = False,
     text: str = "",
     twin: Plant[Any] | None = None,
+    frames: bool = True,
 ) -> Result:
     """Operate the robot once.
 
@@ -116,12 +120,15 @@ def operate(
         operation: What to do.
         folder: Where the recording goes, ``NAME.mcap``, and the trial, ``NAME.nc``; None keeps nothing.
         clock: None: real time.
+        tank: What is operated instead: stepped, without wires and as fast as it goes; where it is, `operation` need not
+            say, only whether there is a power meter.
         keys: What the operator presses; None: its signals.
         show: Called with every tick; must be quick.
         clears: Clear faults of the modules first.
         check_only: Stop before anything moves.
         text: The trial file as it was read.
         twin: A simulated robot, the model of motion of the state estimation; None: it does without.
+        frames: Whether the raw frames of the bus are recorded, too.
 
     Returns:
         What became of it; a refusal or a fault is no exception.
@@ -129,51 +136,29 @@ def operate(
     Raises:
         DeviceFailed: If a device cannot be reached.
         StorageFailed: If the recording cannot be written at the start.
+        RuntimeError: If an operation of a tank is never done.
     """
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
-    clock, keys = clock or drivers.Clock(), keys or terminal.Keys()
+    keys = keys or terminal.Keys()
     path = None if folder is None else folder / f"{operation.name}.mcap"
     with ExitStack() as stack:
-        devices, sink = stack.enter_context(loop.connected(operation.connection, clock)), None
+        sink, thread, longest = None, None, math.inf
+        if tank is None:
+            devices = stack.enter_context(loop.connected(operation.connection, clock or drivers.Clock()))
+        else:
+            devices = loop.TankDevices(tank, has_meter=bool(operation.connection.meter_port))
+            longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
         if path is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
-            sink = stack.enter_context(RecordingSink(stack.enter_context(OperationRecorder(path, header))))
-        state, timing = loop.run_loop(operator, devices, clock, keys=lambda _: keys.events, sink=sink, show=show)
+            recorder = stack.enter_context(OperationRecorder(path, header))
+            if tank is None:
+                thread = stack.enter_context(ThreadPoolExecutor(1, "laticauda-recorder"))
+            sink = Sink(recorder, frames=frames, thread=thread)
+        state, timing = loop.run_loop(
+            operator, devices, keys=lambda _: keys.events, sink=sink, show=show, longest=longest
+        )
     return result_of(operator, state, path, timing)
-
-
-def operate_stepped(
-    operation: settings.Operation,
-    folder: Path,
-    tank: lab.Tank,
-    *,
-    twin: Plant[Any] | None = None,
-    frames: bool = True,
-) -> Result:
-    """Operate something that is stepped once, such as `laticauda.lab.Tank`: no wires, no clock, as fast as it goes.
-
-    Args:
-        operation: What to do; its connections do not matter, the power meter is read if it has a supply voltage.
-        folder: As in `operate`; a recording of that name is replaced.
-        tank: What is operated.
-        twin: As in `operate`.
-        frames: Whether the raw frames of the bus are recorded, too.
-
-    Raises:
-        StorageFailed: If the recording cannot be written at the start.
-    """
-    meter = "" if operation.supply_voltage is None else "stepped"
-    operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
-    operator = Operator(operation=operation, twin=twin)
-    path = folder / f"{operation.name}.mcap"
-    path.unlink(missing_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    with OperationRecorder(path, header_of(operator)) as recorder:
-        sink = PlainSink(recorder, frames=frames)
-        longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
-        state = loop.run_stepped(operator, tank, sink=sink, longest=longest)
-    return result_of(operator, state, path, None)
 
 
 def result_of(operator: Operator, state: OperatorState, recording: Path | None, timing: Timing | None) -> Result:

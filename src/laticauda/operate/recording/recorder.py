@@ -141,28 +141,33 @@ class OperationRecorder:
 
 
 class Sink:
-    """What keeps a record of every tick, and says by `trouble` if it cannot; this one keeps nothing."""
-
-    trouble = ""
-    """Why nothing is recorded any more; "" as long as it is."""
-
-    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Keep one tick: the state after it, what went out, the frames of the bus, both ways, and when it was."""
-
-
-class PlainSink(Sink):
-    """Writes at once; for operations without a clock.
+    """Keeps a record of every tick, and says by `trouble` if it cannot.
 
     Args:
         recorder: Open; it stays open.
         frames: Whether the raw frames of the bus are kept, which are most of a recording.
+        thread: What writes; None: at once, for operations without a clock.
     """
 
-    def __init__(self, recorder: OperationRecorder, *, frames: bool = True) -> None:
-        self._recorder, self._frames = recorder, frames
+    trouble = ""
+    """Why nothing is recorded any more; "" as long as it is."""
+
+    def __init__(
+        self, recorder: OperationRecorder, *, frames: bool = True, thread: ThreadPoolExecutor | None = None
+    ) -> None:
+        self._recorder, self._frames, self._thread = recorder, frames, thread
 
     def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Write one tick; after an error nothing more."""
+        """Keep one tick: the state after it, what went out, the frames of the bus, both ways, and when it was.
+
+        After an error, nothing more is written.
+        """
+        if self._thread is None:
+            self._keep(state, outputs, frames, tick)
+        elif not self.trouble:
+            self._thread.submit(self._keep, state, outputs, frames, tick)
+
+    def _keep(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
         if self.trouble:
             return
         try:
@@ -189,24 +194,3 @@ class PlainSink(Sink):
                 recorder.note("idle", event.data)
             if event.kind == "settling" and "heading" in event.data:
                 recorder.note("initial", event.data)
-
-
-class RecordingSink(PlainSink):
-    """Writes in a thread; a context manager, whose end waits until all is written."""
-
-    def __init__(self, recorder: OperationRecorder) -> None:
-        super().__init__(recorder)
-        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="laticauda-recorder")
-
-    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Hand one tick over."""
-        if not self.trouble:
-            self._thread.submit(super().tick, state, outputs, frames, tick)
-
-    def __enter__(self) -> Self:
-        """Itself."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Write the rest."""
-        self._thread.shutdown()
