@@ -3,22 +3,17 @@
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-import math
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.transforms import Affine2D, ScaledTranslation
 
 from laticauda.figures import style
+from laticauda.figures.water import draw_water
 from laticauda.kinematics import Posture
-from laticauda.robot import CaudalFin, Robot, Water
+from laticauda.robot import CaudalFin, Robot
 from laticauda.trial import Trial
 
 Point = Float[np.ndarray, " 2"]
@@ -52,9 +47,8 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
     x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
     ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
-    if isinstance(trial.environment, Water) and any(trial.environment.uniform[:2]):
-        _tell_current(ax, trial.environment.uniform[:2])
-    ax.set_aspect("equal", adjustable="datalim")
+    moving = draw_water(trial, ax)
+    ax.set_aspect("equal", adjustable="box" if moving else "datalim")
     return style.dress(ax, xlabel="x [m]", ylabel="y [m]")
 
 
@@ -108,32 +102,6 @@ def _beside(center: Point, points: Points, side: Point, half_width: float) -> Po
 def _gap(path: Points, place: Point) -> float:
     """How far a place is from the path."""
     return float(np.min(np.linalg.norm(path - place, axis=1)))
-
-
-def _tell_current(ax: Axes, current: Sequence[float]) -> None:
-    """Strength and direction of the current, above the upper right corner."""
-    strength = math.hypot(*current)
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    # Points, counted from the corner: the arrow keeps its size and its direction.
-    corner = ScaledTranslation(1.0, 1.0, ax.transAxes)  # pyright: ignore[reportArgumentType]  # any transform will do
-    in_points = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + corner
-    tip = tuple(7.0 * part / strength for part in current)
-    look: Any = {"xycoords": in_points, "ha": "right", "va": "center", "color": style.INK, "annotation_clip": False}
-    style.note(ax, f"current {strength:.3g} m/s", (-20.0, 9.0), (0, 0), **look)
-    arrow = FancyArrowPatch(
-        (-10.0 - tip[0], 9.0 - tip[1]),
-        (-10.0 + tip[0], 9.0 + tip[1]),
-        arrowstyle="-|>",
-        mutation_scale=7,
-        shrinkA=0,
-        shrinkB=0,
-        color=style.INK,
-        linewidth=style.THIN,
-        clip_on=False,
-        transform=in_points,
-    )
-    ax.add_patch(arrow)
 
 
 # ---- postures ------------------------------------------------------------------------------------------------------
