@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 TRAIL: shapes.Color = (250, 120, 80)
 SPAN = 5.0  # over which its speed is taken [s]
-HINT_BUS = (
-    "udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0, as `laticauda lab` and `laticauda operate` have it"
-)
+HINT_BUS = "udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0, as `laticauda lab` and `operate` have it"
 HINT_MOCAP = "HOST:PORT of the motion capture's real-time server"
 
 

@@ -264,9 +264,7 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
     path = path_of(scenario)
     if path is None:
         return np.empty((0, 3))
-    end = getattr(path, "lengths", (0.0,))[
-        -1
-    ]  # a straight line has none; in pieces, or the page shows too little of it
+    end = getattr(path, "lengths", (0.0,))[-1]  # a straight line has none; in pieces, or too little is shown
     along = np.arange(0.0, end, 0.05) if end else np.arange(-WIDE, WIDE, 2.0)
     profile = np.array([(0.0, height)])
     if isinstance(scenario.motion, lc.SpatialPathFollowing):

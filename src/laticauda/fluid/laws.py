@@ -13,7 +13,7 @@ then called trial by trial.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from laticauda.scalars import magnitude
 # Keeps the direction of a velocity defined at rest, far below any speed that matters [m^2/s^2].
 _AT_REST = 1e-30
 
+Loads: TypeAlias = tuple[float, float, float]
 MOTION = 4
 """Numbers that a law gets before the element: v_t, v_n, across, rate."""
 
@@ -55,9 +56,7 @@ class DragLaw(Law, Extensible, group="drag_laws"):
     of_weight: ClassVar[bool] = False
     """Whether the coefficients of a ground are shares of an element's weight."""
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """Loads on an element.
 
         In space it is called twice per element: with its left for n, then with what is above it.
@@ -125,9 +124,7 @@ class PolynomialDrag(DragLaw):
     quadratic: bool = option("Whether there is a part that is quadratic in the speed", default=True)
     sway_friction: float = quantity("", "gamma, drag along growing with the local sideways speed", ge=0.0, default=0.0)
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """Each direction on its own, but for the sway friction."""
         base = self.reference_speed * self.linear
         f_t = -element.c_t * v_t * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
@@ -169,9 +166,7 @@ class TotalSpeedDrag(DragLaw):
     beta: float = quantity("", "beta, share of the speed along in the drag across", ge=0.0, le=1.0, default=0.5)
     gamma: float = quantity("", "gamma, share of the speed across in the drag along", ge=0.0, le=1.0, default=1.0)
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """Each force against its own velocity, by a speed that both make up."""
         along_2, across_2 = v_t * v_t, across * across
         f_t = -element.c_t * v_t * (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
@@ -186,9 +181,7 @@ class ViscousFriction(DragLaw):
     called: ClassVar[str] = "viscous"
     former: ClassVar[Mapping[str, str]] = {"regularization_speed": ""}  # which older files gave, and it did not use
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """No torque about the contact."""
         return -element.c_t * v_t, -element.c_n * v_n, 0.0 * rate
 
@@ -217,9 +210,7 @@ class CoulombFriction(DragLaw):
 
     regularization_speed: float = quantity("m/s", "eps, below which dry friction fades out", gt=0.0, default=1e-3)
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """No torque about the contact."""
         eps = self.regularization_speed
         return dry(v_t, element.c_t, eps), dry(v_n, element.c_n, eps), 0.0 * rate
@@ -234,9 +225,7 @@ class FunctionDrag(DragLaw):
 
     function: Callable[..., tuple[float, float, float]] = option("f(v_t, v_n, across, rate, element)")
 
-    def __call__(
-        self, v_t: float, v_n: float, across: float, rate: float, element: Element
-    ) -> tuple[float, float, float]:
+    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """What the function says."""
         return self.function(v_t, v_n, across, rate, element)
 
