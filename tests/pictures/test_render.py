@@ -13,6 +13,7 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
+from laticauda.fluid.flow import FunctionFlow
 from laticauda.pictures import lines, render, stage
 from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
@@ -22,7 +23,7 @@ from laticauda.pictures.surroundings import SUN, casters, draw_shadows
 from laticauda.scenarios import Experiment
 from laticauda.spatial.scene import Shore
 
-pytest.importorskip("mujoco")
+mujoco = pytest.importorskip("mujoco")
 
 SMALL = Film(size=(192, 108))
 
@@ -129,6 +130,37 @@ def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
     assert model.geom("water").rgba[3] == 0.0
+
+
+def test_waves_are_the_surface_of_a_picture_and_arrows_the_way_of_the_water(trial):
+    def waves(x, y, z, t):
+        return 0.2 * np.cos(3.0 * x - 2.0 * t), 0.1 + 0.0 * x, *(0.0 * x,) * 13, 0.1 * np.cos(3.0 * x - 2.0 * t)
+
+    moving = replace(trial.environment, current=FunctionFlow(function=waves), depth=0.5)
+    studio = studio_of(with_other(trial, environment=moving))
+    go_to(studio, trial, 3.0)
+    mesh, placed = studio.model.mesh("waves"), studio.data.geom("surface")
+    np.testing.assert_allclose(placed.xpos, 0.0, atol=1e-9)
+    np.testing.assert_allclose(placed.xmat, np.eye(3).ravel(), atol=1e-9)
+    first = mesh.vertadr[0]
+    x, y, z = studio.model.mesh_vert[first : first + mesh.vertnum[0]].T
+    np.testing.assert_allclose(z, 0.1 * np.cos(3.0 * x - 6.0), atol=1e-5)
+    center = studio.data.subtree_com[1]
+    assert np.ptp(x) == np.ptp(y) > 20.0 and abs(np.median(x) - center[0]) < 1e-5
+    scene = mujoco.MjvScene(studio.model, maxgeom=500)
+    studio.water.draw(scene, center, 3.0)
+    arrows = scene.geoms[: scene.ngeom]
+    tails, along = np.array([arrow.pos for arrow in arrows]), np.array([arrow.mat[:, 2] for arrow in arrows])
+    long = np.array([arrow.size[2] for arrow in arrows])[:, None]
+    velocity = moving.velocity((tails + 0.5 * long * along)[:, :2], 3.0)
+    assert len(arrows) > 20 and np.allclose(tails[:, 2], -0.5)
+    ratio = np.linalg.norm(long * along, axis=1) / np.linalg.norm(velocity, axis=1)
+    np.testing.assert_allclose(ratio, np.median(ratio), rtol=1e-4)
+    np.testing.assert_allclose((long * along)[:, :2], velocity * np.median(ratio), rtol=1e-3, atol=1e-4)
+    level = studio_of(trial)
+    assert level.model.nmesh == studio.model.nmesh - 1 and not level.water.words
+    at_surface = replace(moving, depth=None)  # a robot of which no depth is said feels the water there
+    assert studio_of(with_other(trial, environment=at_surface)).height == 0.0
 
 
 # ---- the camera ---------------------------------------------------------------------------------------------------

@@ -119,7 +119,7 @@ def pictures(
             posture, *others = [replay.posture_at(one, time, height) for one in (trial, *beside)]
             picture = studio.picture(posture, camera, decorate, others)
             figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
-            yield write_words(picture, figures, words(trial, speed))
+            yield write_words(picture, figures, [*words(trial, speed), *studio.water.words])
 
 
 def check_video() -> None:

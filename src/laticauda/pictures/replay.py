@@ -18,7 +18,7 @@ from laticauda.pictures.stage import Posture, Studio, flat_posture
 from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
 
-PICTURES_PER_SECOND = 60.0
+PICTURES_PER_SECOND, MOMENTS = 60.0, 12  # MOMENTS: in which moving water is looked at, to see how fast it is
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
 
 
@@ -30,9 +30,9 @@ def studio_of(trial: Trial, **options: Any) -> Studio:
         options: Of the studio.
     """
     instance("trial", trial, Trial)
-    height = trial.center_of_mass[:, 2:]
-    heights = (float(height.min()), float(height.max())) if height.size else None
-    return Studio(trial.robot, trial.environment, trial.scenario.model, heights=heights, **options)
+    place, times = trial.center_of_mass, trial.time[:: max(trial.time.size // MOMENTS, 1)].tolist()
+    way = np.array((place.min(axis=0), place.max(axis=0)))
+    return Studio(trial.robot, trial.environment, trial.scenario.model, way=way, times=times, **options)
 
 
 def posture_at(trial: Trial, time: float, height: float) -> Posture:
@@ -62,12 +62,12 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
     if center.size == 3 and all(name in trial.signals for name in ORIENTATION):
         first, second = (np.array([trial.signals[name][k] for name in ORIENTATION]) for k in (before, after))
         mixed = (1.0 - share) * first + share * (second if first @ second >= 0.0 else -second)
-        return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle)
+        return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle, time)
     if center.size == 3:
         tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
     else:
         tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
-    return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)
+    return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)._replace(time=time)
 
 
 # ---- in MuJoCo's own window ----------------------------------------------------------------------------------------
@@ -111,7 +111,11 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
                 setattr(window.cam, name, getattr(first, name))
         while window.is_running():
             shown = (time.monotonic() - began) * speed % max(trial.duration, 1e-9)
+            posture = posture_at(trial, float(trial.time[0]) + shown, stage.height)
             with window.lock():
-                stage.take(posture_at(trial, float(trial.time[0]) + shown, stage.height))
+                surface, window.user_scn.ngeom = stage.take(posture), 0
+                stage.water.draw(window.user_scn, posture.center_of_mass, posture.time)
+            if surface is not None:
+                window.update_mesh(surface)
             window.sync()
             time.sleep(1.0 / PICTURES_PER_SECOND)

@@ -13,8 +13,10 @@ from jaxtyping import Float, UInt8
 from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import MissingProgram
 from laticauda.extras import load_mujoco, optional_import
+from laticauda.fluid.arrows import MOMENTS, has_waves
 from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
 from laticauda.pictures.surroundings import add_surroundings, casters, draw_shadows
+from laticauda.pictures.water import MovingWater
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot
@@ -27,6 +29,7 @@ MOST_SHAPES = 4000
 MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
 DEEP = 2.0  # to which a robot in space may dive above the floor, where nobody knows how deep it will [m]
 NEAR = 0.3  # the surface, so that it is shown [m]
+NEARBY = np.array(((-2.0, -2.0), (2.0, 2.0)))
 CLEARANCE = 0.45  # least height over the floor [m]
 SIZE = (640, 360)  # [pixels]
 Picture = UInt8[np.ndarray, "height width 3"]
@@ -43,6 +46,8 @@ class Posture(NamedTuple):
     """Of all joints of the robot, those that the planar model holds included [rad]."""
     fin_angle: Float[np.ndarray, " n_fin_joints"]
     """Of the joints of a fin that is driven or bends, from its root on; straight if nothing is known of it [rad]."""
+    time: float = 0.0
+    """Since the start of the run, which moving water goes by [s]."""
 
 
 class Studio:
@@ -53,7 +58,8 @@ class Studio:
         environment: Where.
         model: Whose settings say what else is there; None: nothing.
         others: Further robots there.
-        heights: Least and greatest of the center of mass that will be shown; None: it swims in a plane [m].
+        way: Two corners of where its center of mass will be, in space or, if it swims in one, in a plane [m].
+        times: Some in which it will be shown [s].
         size: Width and height of pictures that will be taken of it [pixels].
 
     Raises:
@@ -68,7 +74,8 @@ class Studio:
         model: Model | None = None,
         *,
         others: Sequence[Robot] = (),
-        heights: tuple[float, float] | None = None,
+        way: Float[np.ndarray, "2 n_axes"] = NEARBY,
+        times: Sequence[float] = MOMENTS,
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
@@ -77,20 +84,23 @@ class Studio:
         for k, other in enumerate(others, 1):
             alone = mjcf.spec(other, environment, sensors=False, ballast_depth=_ballast(other, model))
             mjcf.add_robot(spec, alone, k)
-        on_land, (lowest, highest) = isinstance(environment, Ground), heights or (self.height, self.height)
+        on_land, (lowest, highest) = isinstance(environment, Ground), np.append(way, [[self.height]] * 2, axis=1)[:, 2]
         self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
         level = 0.0 if scene is None else scene.level
-        level = level if not on_land and highest > level - NEAR else None
-        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, level=level)
+        self.water = MovingWater(environment, robot.reach, way, times)
+        """How the water moves."""
+        waves = self.water.mesh(spec)
+        level = level if not on_land and (waves or highest > level - NEAR) else None
+        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, level=level, waves=waves)
         picture = spec.visual.global_
         (picture.offwidth, picture.offheight), picture.fovy = size, VIEW_DEG
         self.model: Any = spec.compile()
         self.data: Any = load_mujoco().MjData(self.model)
         self._casters = casters(self.model)
 
-    def take(self, posture: Posture, *others: Posture) -> None:
-        """Bend and put the robot so, and the others there."""
+    def take(self, posture: Posture, *others: Posture) -> int | None:
+        """Bend and put the robot so, and the others there; the mesh that a renderer has to be sent then, if any."""
         mujoco, data = load_mujoco(), self.data
         for k, one in enumerate((posture, *others)):
             body = self.model.body(f"{mjcf.prefix(k)}module_0")
@@ -104,12 +114,14 @@ class Studio:
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
         mujoco.mj_camlight(self.model, data)
+        return self.water.move(self.model, posture.center_of_mass, posture.time)
 
     @classmethod
     def of(cls, plant: Plant[Any], size: tuple[int, int] = SIZE) -> "Studio":
         """One for states of a plant."""
-        heights = (-DEEP, swimming_height(plant.robot, plant.environment)) if isinstance(plant, SpatialPlant) else None
-        return cls(plant.robot, plant.environment, plant.settings, heights=heights, size=size)
+        heights = [[-DEEP], [swimming_height(plant.robot, plant.environment)]]
+        way = np.append(NEARBY, heights, axis=1) if isinstance(plant, SpatialPlant) else NEARBY
+        return cls(plant.robot, plant.environment, plant.settings, way=way, size=size)
 
     @cached_property
     def _renderer(self) -> Any:
@@ -130,8 +142,10 @@ class Studio:
             decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
             others: Of the other robots.
         """
-        self.take(posture, *others)
-        renderer, flags = self._renderer, load_mujoco().mjtRndFlag
+        surface, renderer, flags = self.take(posture, *others), self._renderer, load_mujoco().mjtRndFlag
+        if surface is not None:
+            renderer._gl_context.make_current()
+            load_mujoco().mjr_uploadMesh(self.model, renderer._mjr_context, surface)
         aspect = renderer.width / renderer.height
         wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # it may look anywhere
         camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
@@ -142,6 +156,7 @@ class Studio:
         scene.flags[flags.mjRND_FOG] = True
         scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
         draw_shadows(scene, self.model, self.data, self._casters)
+        self.water.draw(scene, posture.center_of_mass, posture.time)
         if decorate is not None:
             decorate(scene)
         return renderer.render()
@@ -173,11 +188,14 @@ def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
         turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
         first = 3 if plant.settings.root == "planar" else 7  # behind the robot's may be what moves in its scene
         angles = qpos[first:][: len(robot.joints) + len(robot.fin_joints)]
-        return Posture(seen.center_of_mass, turned, angles[: robot.n_joints], angles[robot.n_joints :])
+        return Posture(
+            seen.center_of_mass, turned, angles[: robot.n_joints], angles[robot.n_joints :], float(seen.time)
+        )
     assert isinstance(plant, PlanarPlant)
     fin = [state.values[rows.LOG_STATE + plant.layout.tail_link - 1 - k] for k in robot.fin_joints]
     height = swimming_height(robot, plant.environment)
-    return flat_posture(robot, seen.center_of_mass, seen.link_angle[0], seen.joint_angle, np.array(fin), height)
+    flat = flat_posture(robot, seen.center_of_mass, seen.link_angle[0], seen.joint_angle, np.array(fin), height)
+    return flat._replace(time=float(seen.time))
 
 
 def flat_posture(
@@ -208,7 +226,9 @@ def swimming_height(robot: Robot, environment: Environment) -> float:
     """Height at which a planar robot is shown [m]; the surface of the water, or the ground, is at 0."""
     if isinstance(environment, Ground):
         return mjcf.start_height(robot, environment)
-    return -(MID_WATER if environment.depth is None else environment.depth)
+    if environment.depth is None:  # a flow acts on it as at the surface
+        return 0.0 if has_waves(environment.flow, np.zeros(2)) else -MID_WATER
+    return -environment.depth
 
 
 def check_offscreen() -> None:

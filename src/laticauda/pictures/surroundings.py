@@ -15,6 +15,7 @@ TILE = 0.5  # side of a tile of the floor [m]
 COARSE, FINE = 128, 512  # sides of a picture of a grid, and of one of flecks [pixels]
 SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water; it is drawn twice
 WHITE = (1.0, 1.0, 1.0)
+LINES = (0.55, 0.85, 0.9)  # on a surface that moves, drawn twice as it
 UNDER = 0.01  # how far the floor is below a terrain's lowest place [m]
 GLINTS, GRAINS = 0.002, 0.25  # shares of it that glitter, so that one sees where it is; and of sand that are darker
 SUN = np.array((0.14, 0.10, -1.0))
@@ -56,7 +57,15 @@ LAND = Look(
 )
 
 
-def add_surroundings(model: Any, environment: Environment, *, floor: float, length: float, level: float | None) -> None:
+def add_surroundings(
+    model: Any,
+    environment: Environment,
+    *,
+    floor: float,
+    length: float,
+    level: float | None,
+    waves: str | None = None,
+) -> None:
     """Floor, light and all that is far away into a `MjSpec`.
 
     Args:
@@ -65,6 +74,7 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
         floor: Height of the floor [m].
         length: Of the robot, which everything has to fit [m].
         level: Height of the surface of the water; None: it is not to be seen [m].
+        waves: The mesh that is the surface; None: it is level.
     """
     look = LAND if isinstance(environment, Ground) else WATER if level is None else AIR
     for bare in [*model.lights, *(texture for texture in model.textures if texture.name == "sky")]:
@@ -79,9 +89,13 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
             _mark(model, material, WHITE, (0.93, 0.92, 0.91), 0.7, flecks=GRAINS)
     if level is not None:
         clear = model.add_material(name="surface", specular=0.6, shininess=0.9, rgba=(*WHITE, CLEARNESS))
-        _mark(model, clear, SURFACE, WHITE, 0.4, flecks=GLINTS)
         plane = _add_plane(model, "surface", level)
         plane.material, plane.group = "surface", WATERY
+        if waves is None:
+            _mark(model, clear, SURFACE, WHITE, 0.4, flecks=GLINTS)
+        else:  # lines on it show its shape
+            _mark(model, clear, SURFACE, LINES, 2.0 / TILE)
+            plane.type, plane.meshname = load_mujoco().mjtGeom.mjGEOM_MESH, waves
 
 
 def _add_light(model: Any, look: Look, length: float) -> None:
