@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from laticauda.logs import load_trial as load_trial
     from laticauda.packaging import __version__ as __version__
     from laticauda.robot import Ground as Ground, Parameters as Parameters, Robot as Robot, Water as Water
-    from laticauda.robot import load_ground as load_ground, load_joint_angles as load_joint_angles
+    from laticauda.robot import load_current as load_current, load_ground as load_ground
+    from laticauda.robot import load_joint_angles as load_joint_angles
     from laticauda.robot import load_parameters as load_parameters, load_robot as load_robot, load_water as load_water
     from laticauda.scenarios import Planar as Planar, Scenario as Scenario, Spatial as Spatial
     from laticauda.scenarios import load_scenario as load_scenario, save_scenario as save_scenario, scenario as scenario

@@ -99,6 +99,16 @@ class Unknown:
         """Refuse to stand in for a formula."""
         raise ValueError(f"`{self.kind}` is not known here: nobody has defined it; import the module that does.")
 
+    @property
+    def formula(self) -> Any:
+        """Refuse likewise."""
+        return self()
+
+    @property
+    def words(self) -> str:
+        """What it is, for people."""
+        return repr(self).strip("<>")
+
 
 @functools.cache
 def _stand_in(base: type[Any]) -> type[Any]:

@@ -3,10 +3,13 @@ from pathlib import Path
 
 import pytest
 
+from laticauda.extensions import name_of
 from laticauda.robot import (
     Robot,
+    current_names,
     from_toml,
     ground_names,
+    load_current,
     load_ground,
     load_parameters,
     load_robot,
@@ -59,6 +62,17 @@ def test_a_preset_can_be_read_by_a_program(run, name):
     assert found["name"] == name
     if isinstance(ALL[name], Robot):
         assert found["mass"] == ALL[name].mass
+
+
+@pytest.mark.parametrize("name", current_names())
+def test_currents_are_listed_and_shown_and_can_be_saved(run, folder: Path, name):
+    assert f"\n{name} " in run("robots").out
+    assert name in json.loads(run("robots --json").out)["currents"]
+    flow = load_current(name)
+    assert flow.words in run(f"robots {name}").out
+    (folder / "mine.toml").write_text(run(f"robots {name} --toml").out)
+    assert load_current("mine.toml") == flow
+    assert json.loads(run("robots mine.toml --json").out)["kind"] == name_of(type(flow))
 
 
 @pytest.mark.parametrize("name", parameter_names())

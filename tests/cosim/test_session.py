@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.codec import decode, encode
 from laticauda.cosim import Session
 from laticauda.cosim.messages import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
-from laticauda.robot import Thruster
+from laticauda.robot import Current, Thruster
 from laticauda.simulate import plant
 
 
@@ -162,6 +163,24 @@ def test_thrusters_do_what_a_message_says_until_it_is_taken_back():
     assert speed(thrusts=[]) < fast
 
 
+def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
+    gusts = replace(lc.load_current("turbulence"), modes=6)
+    assert "error" not in ask("reset", robot="mamba", current=encode(gusts, Current))
+    assert decode(Current, ask("get")["command"]["current"]) == gusts
+    ask("step", duration=0.5)
+    other = {"kind": "turbulence", "modes": 6, "mean": [0.2, 0, 0], "seed": 9}
+    assert ask("set", current=other)["command"]["current"]["seed"] == 9
+    seen = ask("step", duration=0.5)["observation"]
+    water, state = lc.load_water("paper-lateral"), None
+    for flow in (gusts, decode(Current, other)):
+        body = plant(lc.load_robot("mamba"), replace(water, current=flow))
+        state = body.step(state or body.init(Start(), Command(gait=FIRST_GAIT)), Command(gait=FIRST_GAIT), 0.5)
+    assert seen["center_of_mass"] == body.observe(state).center_of_mass.tolist()
+    assert sum(name.startswith("current") for name in seen) == 0
+    named = read_scenario({"robot": "mamba", "current": "vortex"}, {})
+    assert named.environment == replace(water, current=lc.load_current("vortex"))
+
+
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ask("reset", joints="pd", dt=0.5, coefficients={"normal_drag": 50.0, "tangential_friction": 50.0})
     assert "diverged at t = " in ask("step", duration=50.0)["error"]
@@ -184,6 +203,11 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
         ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s or a Flow, got 1 of them."),
+        ("set", {"current": "vortx"}, "`current` must be one of `street`, `turbulence`, `vortex`, got 'vortx'; did"),
+        ("set", {"current": "../mine.toml"}, "`current` must be one of `street`, "),
+        ("set", {"current": {"kind": "vortex"}}, "`current.kind` must be one of "),
+        ("set", {"current": {"kind": "turbulence", "modes": 0}}, "`current.modes` must be a whole number >= 1, got 0"),
+        ("run", {"current": {"kind": "turbulence", "modes": 1000}, "dt": 1e-4}, "in a current of 1001 parts"),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
         ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
         ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),

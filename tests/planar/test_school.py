@@ -50,6 +50,16 @@ def test_every_robot_does_what_the_plant_does_alone_to_the_last_bit(joints: str,
         np.testing.assert_array_equal(seen.link_angle, other.link_angle)
 
 
+def test_a_robot_is_placed_in_a_flow_of_the_parts_of_the_plants_only():
+    gusts = replace(lc.load_current("turbulence"), modes=6)
+    school = School(plant(current=gusts), COMMAND, 2, INTERVAL)
+    place = {"center_of_mass": np.zeros((1, 2)), "heading": np.zeros(1)}
+    school.place(np.array([1]), current=[replace(gusts, seed=4)], **place)
+    for other in (replace(gusts, modes=7), lc.load_current("vortex"), (0.1, 0.0)):
+        with pytest.raises(ValueError, match="`current` must have the parts of the plant's, with other numbers"):
+            school.place(np.array([1]), current=[other], **place)
+
+
 @settings(max_examples=10)
 @given(st.integers(1, 20), st.integers(1, 3), st.integers(0, 2**32 - 1))
 def test_neighbors_and_threads_change_nothing(n: int, threads: int, seed: int):

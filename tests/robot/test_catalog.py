@@ -1,10 +1,13 @@
 import math
 
+import numpy as np
 import pytest
 
 from laticauda.robot import (
     RobotNotFound,
+    current_names,
     ground_names,
+    load_current,
     load_ground,
     load_robot,
     load_water,
@@ -26,6 +29,7 @@ def test_the_presets_are_there():
     )
     assert water_names() == ("paper-eel", "paper-lateral", "paper-vortex", "published-2015")
     assert ground_names() == ("coulomb", "viscous")
+    assert current_names() == ("street", "turbulence", "vortex")
 
 
 @pytest.mark.parametrize("name", robot_names())
@@ -33,6 +37,14 @@ def test_every_robot_bears_its_files_name_and_says_what_it_is(name):
     robot = load_robot(name)
     assert robot.name == name
     assert robot.description
+
+
+@pytest.mark.parametrize("name", current_names())
+def test_every_current_is_one_in_which_a_robot_can_swim(name):
+    x, y, t = np.meshgrid(np.linspace(-2.0, 2.0, 9), np.linspace(-1.0, 1.0, 5), np.linspace(0.0, 20.0, 11))
+    speed = np.linalg.norm(load_current(name).velocity(np.stack((x, y, 0.0 * x), axis=-1), t), axis=-1)
+    assert 0.02 < np.sqrt(np.mean(speed**2)) < 0.3
+    assert np.ptp(speed) > 0.01
 
 
 @pytest.mark.parametrize("name", ground_names())

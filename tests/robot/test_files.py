@@ -1,18 +1,22 @@
 import pickle
 import re
 import tomllib
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from robot.strategies import grounds, robots, waters
 
 from laticauda.errors import LaticaudaError, RobotFileError
+from laticauda.fluid.flow import Flow
 from laticauda.robot import (
     Joint,
     Robot,
     RobotNotFound,
     Water,
+    current_names,
     from_toml,
+    load_current,
     load_robot,
     load_water,
     robot_names,
@@ -113,6 +117,41 @@ def test_a_file_may_extend_another_beside_it(tmp_path):
     assert load_water(tmp_path / "tidal.toml") == Water(
         name="tidal", tangential_friction=0.3, normal_drag=1.75, added_mass=1.5, current=(0.0, 1.0)
     )
+
+
+@pytest.mark.parametrize("flow", [*map(load_current, current_names()), load_current("vortex") + load_current("street")])
+def test_a_flow_goes_through_a_file(flow):
+    assert from_toml(to_toml(flow)) == flow
+    assert from_toml(to_toml(flow), Flow) == flow
+
+
+def test_a_current_of_a_water_may_be_a_preset_or_a_file_beside_it_which_may_extend_another(tmp_path):
+    (tmp_path / "mine.toml").write_text('kind = "lamb-oseen"\nextends = "vortex"\nx = 4\n', encoding="utf-8")
+    (tmp_path / "water.toml").write_text(f'{WATER}\ncurrent = "mine.toml"\n', encoding="utf-8")
+    vortex = load_current("vortex")
+    assert load_water(tmp_path / "water.toml").current == replace(vortex, x=4.0)
+    assert from_toml(WATER + '\ncurrent = "vortex"\n').current == vortex
+    assert from_toml(WATER + '\ncurrent = "turbulence"\n').current == load_current("turbulence")
+    assert from_toml(WATER + '\ncurrent = "karman-street"\n').current == Flow.named("karman-street")()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('kind = "water"', r'must be one of "rankine", .*, got \'water\''),
+        ('kind = "vortx"', r"must be one of .*, got 'vortx'"),
+        ("core = 1", "key `kind`: is missing; it must be one of .*"),
+        ('kind = "lamb-oseen"\ncore = 1', "key `circulation`: is missing; every LambOseen needs it"),
+        ('kind = "lamb-oseen"\nextends = "vortx"', "there is no current preset named `vortx`; did you mean `vortex`"),
+        ('kind = "turbulence"\nextends = "vortex"', "key `circulation`: is not known"),
+        ('kind = "rankine"\ncirculation = 1\ncore = -1', "key `core`: must be > 0 m, got -1"),
+    ],
+)
+def test_a_current_that_is_none_is_refused_by_its_key(text, message, tmp_path):
+    path = tmp_path / "current.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RobotFileError, match=message):
+        load_current(path)
 
 
 # Each changes ROBOT in one place; the message has the key and then the rule with the value.
@@ -265,8 +304,8 @@ def test_a_path_that_cannot_be_one_is_refused(name):
         load_robot(name)
 
 
-def test_only_robots_waters_and_grounds_are_written():
-    with pytest.raises(ValueError, match="`thing` must be a Robot, Water or Ground, got Joint"):
+def test_only_robots_waters_grounds_and_flows_are_written():
+    with pytest.raises(ValueError, match="`thing` must be a Robot, Water, Ground or Flow, got Joint"):
         to_toml(Joint())
 
 

@@ -52,6 +52,17 @@ def by_differences(robot, gait, water, names, **settings):
     return (16.0 * better[..., 1] - better[..., 0]) / 15.0
 
 
+def test_figures_follow_the_numbers_of_a_flow():
+    flow = replace(lc.load_current("turbulence"), modes=6)
+    water = replace(load_water("paper-lateral"), current=flow)
+    names = ("water.current.intensity", "water.current.mean_x", "water.current.largest", "water.current.evolution")
+    found = sensitivities(load_robot("mamba"), GAIT, 3.0, environments=water, names=names)
+    expected = by_differences(load_robot("mamba"), GAIT, water, names, duration=3.0)
+    check(found, expected, 1e-6)
+    with pytest.raises(ValueError, match=r"got `water\.current\.seed`, a count"):
+        sensitivities(load_robot("mamba"), GAIT, 3.0, environments=water, names=["water.current.seed"])
+
+
 def check(found, expected, bound):
     """Equal to a share of what the figure makes of the parameter as a whole."""
     scale = np.abs(expected) + np.abs(found.values[0, :, np.newaxis] / found.point[0])

@@ -27,7 +27,8 @@ def test_a_parameter_has_the_unit_and_the_words_of_its_field():
     assert KNOWN["gait.frequency"].unit == "rad/s"
     assert KNOWN["robot.module.section.half_width"].unit == "m"
     assert KNOWN["water.normal_drag"].unit == ""
-    assert KNOWN["water.current_y"].title == "V, velocity that it moves to, world axes: y"
+    assert KNOWN["water.current_y"].title.startswith("V, velocity that it moves to, world axes")
+    assert KNOWN["water.current_y"].title.endswith(": y")
     assert KNOWN["robot.n_links"].is_whole and KNOWN["robot.caudal_fin.n_strips"].is_whole
     assert not KNOWN["robot.caudal_fin.length"].is_whole
 
@@ -68,6 +69,24 @@ def test_values_that_bound_each_other_are_set_at_once():
 def test_both_ends_of_a_pair_can_be_set():
     other = changed(SCENARIO, {"water.current_x": 0.1, "water.current_y": -0.2})
     assert other.environment == replace(WATER, current=(0.1, -0.2))
+
+
+def test_the_numbers_of_a_flow_can_be_swept_and_those_of_each_in_a_sum():
+    flow = replace(lc.load_current("turbulence"), seed=3)
+    one = replace(SCENARIO, environment=replace(WATER, current=flow))
+    known = {name for name in parameters(one) if name.startswith("water.current")}
+    assert known >= {"water.current.intensity", "water.current.seed", "water.current.mean_x", "water.current.mean_z"}
+    assert parameters(one)["water.current.seed"].is_whole
+    assert "water.current_x" not in known
+    values = {"water.current.intensity": 0.1, "water.current.seed": 5.0, "water.current.mean_y": 0.2}
+    found = changed(one, values).environment.current
+    assert found == replace(flow, intensity=0.1, seed=5, mean=(0.1, 0.2, 0.0))
+    assert type(found.seed) is int
+    assert value_of("water.current.seed", one) == 3.0
+    several = replace(one, environment=replace(WATER, current=flow + lc.load_current("vortex")))
+    assert {"water.current.flow[0].intensity", "water.current.flow[1].core"} < parameters(several).keys()
+    other = changed(several, {"water.current.flow[1].core": 0.7}).environment.current
+    assert other.flows == (flow, replace(lc.load_current("vortex"), core=0.7))
 
 
 def test_the_number_of_links_and_what_they_are_like_can_be_set_together():

@@ -43,7 +43,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "replay": ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
     "cockpit": ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
     "serve": ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
-    "robots": ("robots:Robots", "List the robots, waters, grounds and parameters there are, or show one."),
+    "robots": ("robots:Robots", "List the robots, waters, grounds, currents and parameters there are, or show one."),
     "trial show": ("trial:Show", "Print the figures of a stored trial."),
     "trial compare": ("trial:Compare", "Print the figures of stored trials side by side."),
     "trial convert": ("trial:Convert", "Write a stored trial as MCAP, Parquet, .mat, netCDF or CSV."),

@@ -55,6 +55,8 @@ PRESETS = ("robot", "water", "ground", "parameters", "base")
 LAST = "scenario"
 """The field whose numbers, the many that specialists change, the help lists last."""
 WIDTH = 110
+OBJECTS: dict[type, tuple[str, Callable[[Sequence[str]], object]]] = {}
+"""Of what may stand in the place of numbers: how the help shows words that say it, and what is made of them."""
 _IN_DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 
 
@@ -326,10 +328,22 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
     several = get_origin(inner[0]) is tuple
     count = len(get_args(inner[0])) if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis else None
     metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
-    read = _reader(
-        declared, int in (inner[0], *get_args(inner[0])), several, flag(name + DEGREES.get(declared.unit, ""))
-    )
+    typed = flag(name + DEGREES.get(declared.unit, ""))
+    read = _reader(declared, int in (inner[0], *get_args(inner[0])), several, typed)
+    for kind in OBJECTS.keys() & {*inner}:
+        metavar, read = f"{metavar} | {OBJECTS[kind][0]}", partial(_numbers_or_object, read, OBJECTS[kind][1])
     return _words(1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared))
+
+
+def _numbers_or_object(
+    numbers: Callable[[list[str]], Any], made: Callable[[Sequence[str]], Any], words: list[str]
+) -> Any:
+    """What words mean of which the first is a number, or is none."""
+    try:
+        float(words[0] if words else "0")
+    except ValueError:
+        return made(words)
+    return numbers(words)
 
 
 def _metavar(unit: str, several: bool, count: int | None) -> str:
@@ -338,8 +352,8 @@ def _metavar(unit: str, several: bool, count: int | None) -> str:
 
 
 def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
-    if value is None:
-        return ["none"]
+    if value is None or is_declared(value):
+        return ["none" if value is None else value.words]
     factor = math.degrees(1.0) if declared.unit in DEGREES else 1.0
     values = cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,))
     return [f"{factor * one:.12g}" for one in values] or ["none"]

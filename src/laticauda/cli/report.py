@@ -213,8 +213,8 @@ def _water(water: Water) -> str:
     for field in dataclasses.fields(water):
         given, declared = getattr(water, field.name), quantities_of(Water).get(field.name)
         if declared is not None and field.name not in ALWAYS and given != field.default:
-            words = f"({given[0]:g}, {given[1]:g})" if isinstance(given, tuple) else f"{given:g}"
-            parts.append(f"{field.name} {words} {declared.unit}".rstrip())
+            words = water.current_words if field.name == "current" else f"{given:g} {declared.unit}".rstrip()
+            parts.append(f"{field.name} {words}")
     return ", ".join(parts)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from laticauda import robot
 from laticauda.cli import command, flags, tables
 from laticauda.errors import BadArgument, one_of
+from laticauda.fluid.flow import Flow
 from laticauda.quantities import option, value
 from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
 
@@ -15,6 +16,7 @@ KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
     "robots": (robot.robot_names, robot.load_robot),
     "waters": (robot.water_names, robot.load_water),
     "grounds": (robot.ground_names, robot.load_ground),
+    "currents": (robot.current_names, robot.load_current),
     "parameters": (robot.parameter_names, robot.load_parameters),
 }
 """What there are presets of: their names, and what a name stands for."""
@@ -24,7 +26,7 @@ GROUND_FACTS = ("friction", "tangential", "normal")
 
 @value
 class Robots(command.Command):
-    """List the robots, waters, grounds and parameters that come with laticauda, or show one of them.
+    """List the robots, waters, grounds, currents and parameters that come with laticauda, or show one of them.
 
     For example: laticauda robots mamba --toml
     """
@@ -38,7 +40,7 @@ class Robots(command.Command):
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
             if self.toml:
-                raise BadArgument("toml", "must be given with the NAME of a robot, water, ground or parameters")
+                raise BadArgument("toml", "must be given with the NAME of what to print")
             return command.Outcome(facts=_all(), text="" if self.json else _lists())
         thing = _named(self.name)
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
@@ -49,7 +51,7 @@ class Robots(command.Command):
         )
 
 
-def _named(name: str) -> Robot | Water | Ground | Parameters:
+def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
     """The preset of that name, of whatever kind, or what a file holds."""
     for names, load in KINDS.values():
         if name in names():
@@ -71,6 +73,7 @@ def _lists() -> str:
         _robots(_summaries()),
         tables.table([*_rows("water", WATER_FACTS), book]),
         tables.table(_rows("ground", GROUND_FACTS)),
+        tables.table([{"current": name, "of": robot.load_current(name).words} for name in robot.current_names()]),
         tables.table(titles),
     ])  # fmt: skip
 

@@ -11,9 +11,12 @@ from typing import Any, Self, TypeVar, cast
 import laticauda as lc
 from laticauda import robot, simulate
 from laticauda.cli.command import Command
-from laticauda.cli.flags import File, read, was_typed
-from laticauda.errors import BadArgument
+from laticauda.cli.flags import OBJECTS, BadFlag, File, read, was_typed
+from laticauda.cli.tables import numbers
+from laticauda.codec import BadKey, updated
+from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extensions import Extensible, name_of
+from laticauda.fluid.flow import Flow
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Choice, Model, Scenario, Spatial, load_scenario, model_of, named_after
 
@@ -173,6 +176,32 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
         raise BadArgument(option, f"must be one whose numbers all have defaults, got {name}") from None
     except BadArgument as error:
         raise BadArgument(option, error.rule) from None
+
+
+def current(words: Sequence[str]) -> Flow:
+    """A flow that is typed: a preset, a file, or MODULE:CLASS of one's own, then NAME=VALUE for its other numbers.
+
+    Args:
+        words: What was typed; an angle under its name with ``-deg``.
+
+    Raises:
+        BadFlag: If there is none, or it has no such number.
+    """
+    name, *changes = words
+    try:
+        flow = member(Flow, name, "current") if ":" in name else robot.load_current(name)
+        pairs = [numbers("current", word, CHANGES) for word in changes]
+        return updated(flow, {key.replace("-", "_"): one for key, _, (one,) in pairs})
+    except BadKey as bad:
+        raise BadFlag(f"--current {name}: {BadArgument(bad.key, bad.rule)}") from None
+    except BadArgument as error:
+        raise BadFlag(f"--current {error.rule}.") from None
+    except LaticaudaError as error:
+        raise BadFlag(f"--current: {error}.") from None
+
+
+CHANGES = "a preset or a file and NAME=NUMBER ..., as swell height=0.2"
+OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", current
 
 
 def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:

@@ -8,14 +8,14 @@ from typing import Any, NoReturn, TypeAlias, cast
 
 import numpy as np
 
+from laticauda import robot
 from laticauda.codec import decode, table_of, updated
 from laticauda.errors import BadArgument, one_of, within
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import TEXTBOOK, Robot, Water, ground_names, load_robot, parameter_names, robot_names, water_names
-from laticauda.robot.environment import Current
+from laticauda.robot import TEXTBOOK, Current, Robot, Water, load_robot
 from laticauda.scenarios import Choice, Scenario
 
 PROTOCOL_VERSION = 1
@@ -100,7 +100,7 @@ class _Held:
     enabled: tuple[bool, ...] | None = option("Whether each joint's motor is on", default=None)
     thrusts: tuple[float, ...] | None = quantity("N", "Of every driven thruster", default=None)
     deflections: tuple[float, ...] | None = quantity("rad", "Of every driven pectoral fin", default=None)
-    current: Current = quantity("m/s", "Which the water moves to", ge=-100.0, le=100.0, default=(0.0, 0.0))
+    current: Current = quantity("m/s", "Which the water moves to, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
 
 
 def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> Scenario:
@@ -124,8 +124,9 @@ def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: f
     else:
         model.pop("joints", None)
     start, choice = _given(message, START), decode(Choice, names)
-    presets = {"water": (*water_names(), TEXTBOOK), "ground": ground_names(), "parameters": parameter_names()}
-    for name, there in {"robot": (*robot_names(), *own_robots), **presets}.items():
+    waters, parameters = (*robot.water_names(), TEXTBOOK), robot.parameter_names()
+    presets = {"water": waters, "ground": robot.ground_names(), "parameters": parameters}
+    for name, there in {"robot": (*robot.robot_names(), *own_robots), **presets}.items():
         if getattr(choice, name) is not None:
             one_of(name, getattr(choice, name), there)
     chosen = choice.resolved(command.gait, lambda name, n_links: _robot(own_robots.get(name), name, n_links))
@@ -194,13 +195,15 @@ def _given(message: Message, names: Sequence[str]) -> dict[str, Any]:
 def _held(said: Message, *names: str) -> dict[str, Any]:
     """These fields, as far as they are said, checked."""
     mine = {name: said[name] for name in names if name in said}
+    if isinstance(name := mine.get("current"), str):
+        mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
     checked = decode(_Held, mine)
     return {name: getattr(checked, name) for name in mine}
 
 
 def _robot(own: Robot | None, name: str, n_links: int | None) -> Robot:
-    robot = load_robot(name) if own is None else own
-    return robot if n_links is None else robot.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
+    found = load_robot(name) if own is None else own
+    return found if n_links is None else found.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
 
 
 def _gait(table: dict[str, Any], held: Gait) -> Gait:

@@ -18,6 +18,7 @@ from laticauda.simulate import plant, swim
 
 MOST_SAMPLES = 100_000  # of one request, and of a log: about 50 MB for nine links
 MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
+PART = 0.3  # work for one part of a current, by that for a link
 LONGEST = 36_000.0  # s, of one request
 MOMENT = 1e-6  # s
 
@@ -172,10 +173,12 @@ def check_work(plant: lc.Plant[Any], duration: float, sample_interval: float) ->
         ValueError: If so.
     """
     within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
-    dt, n = float(plant.settings.dt), plant.robot.n_links
+    dt, n, water = float(plant.settings.dt), plant.robot.n_links, plant.environment
+    parts = len(water.flow.parts) if isinstance(water, lc.Water) and water.flow else 0
+    among = f" in a current of {parts} parts" if parts else ""
     for most, where in (
         (MOST_SAMPLES * sample_interval, f"at a `sample_interval` of {sample_interval:g} s"),
-        (MOST_WORK / n * dt, f"in one request for {n} links and steps of {dt:g} s"),
+        (MOST_WORK / (n * (1.0 + PART * parts)) * dt, f"in one request for {n} links{among} and steps of {dt:g} s"),
     ):
         if duration > most:
             raise BadArgument("duration", f"must be <= {most:g} s {where}, got {duration:g}")

@@ -9,16 +9,18 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import BadArgument, positive, whole
+from laticauda.fluid.flow import Flow
 from laticauda.interfaces import Command, Observation
-from laticauda.robot import Water
+from laticauda.robot import Current, Water
 
+Currents: TypeAlias = Sequence[Current]
 PlantType = TypeVar("PlantType", bound=Plant[Any])
 CLOSE = 1e-9  # [s]: two moments that are one
 TOLD = ("amplitude", "frequency", "phase_shift", "offset")
@@ -114,7 +116,7 @@ class School(ABC, Generic[PlantType]):
         *,
         center_of_mass: Float[np.ndarray, "n_placed 2"],
         heading: Float[np.ndarray, " n_placed"],
-        current: Float[np.ndarray, "n_placed 2"],
+        current: Sequence[Current] | Float[np.ndarray, "n_placed 2"],
     ) -> None:
         """Let some of them begin anew: straight, at rest, their generators at the first command.
 
@@ -122,11 +124,16 @@ class School(ABC, Generic[PlantType]):
             which: Their numbers.
             center_of_mass: Where [m].
             heading: [rad].
-            current: Of the water around each, in world axes [m/s].
+            current: Velocity of the water around each, world axes [m/s], or its flow; one of the same kinds of parts as
+                the plant's, and as many of each.
+
+        Raises:
+            ValueError: If a flow is another one.
         """
         for told in self._line:
             told[:, which] = self._first[:, np.newaxis]
-        self._place(which, center_of_mass, heading, current)
+        waters = [one if isinstance(one, Flow) else (float(one[0]), float(one[1])) for one in current]
+        self._place(which, center_of_mass, heading, waters)
         self._well[which] = True
         self._keep_seen()
 
@@ -171,7 +178,7 @@ class School(ABC, Generic[PlantType]):
             list(self._workers.map(work, self._shares))
 
     @abstractmethod
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
+    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
         """As `place`."""
 
     @abstractmethod

@@ -1,17 +1,21 @@
 """A school of planar robots: the lanes are those of `laticauda.planar.batch`, but stay in place between intervals."""
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda.dynamics import school
 from laticauda.dynamics.plant import PlantState
+from laticauda.dynamics.school import Currents
+from laticauda.errors import BadArgument
 from laticauda.interfaces import Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import WIDTH, aligned
+from laticauda.planar.layout import flow_rows
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import has_power_model
+from laticauda.robot import Water, has_power_model
 
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
@@ -27,8 +31,9 @@ class School(school.School[PlanarPlant]):
 
     def _begin(self, threads: int) -> Sequence[np.ndarray]:
         plant, n = self.plant, self.n
-        # One robot is faster in a kernel of one lane, and does the same in it.
-        self._width = 1 if n == 1 else WIDTH
+        # One robot is faster in a kernel of one lane, and does the same in it; in a flow to rounding alone, whose
+        # formulas have other sines there.
+        self._width = 1 if n == 1 and not plant.flow.kinds else WIDTH
         n_blocks = -(-n // self._width)
         self._start = plant.rows(plant.init(Start(), self.command), self.command)
         self._lanes = aligned((n_blocks, self._start.size, self._width), float)
@@ -47,17 +52,19 @@ class School(school.School[PlanarPlant]):
         body = values[rows.HEADER_ROWS : rows.HEADER_ROWS + n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         return PlantState(values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE])))
 
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
+    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
         block, lane = np.divmod(which, self._width)
         self._lanes[block, :, lane] = self._start
-        for row, values in (
-            (rows.X, center_of_mass[:, 0]),
-            (rows.Y, center_of_mass[:, 1]),
-            (rows.HEADING, heading),
-            (rows.CURRENT_X, current[:, 0]),
-            (rows.CURRENT_Y, current[:, 1]),
-        ):
-            self._lanes[block, row, lane] = values
+        self._lanes[block, rows.X, lane], self._lanes[block, rows.Y, lane] = center_of_mass.T
+        self._lanes[block, rows.HEADING, lane] = heading
+        water, own = cast(Water, self.plant.environment), self.plant.flow
+        for here, there, one in zip(block, lane, current, strict=True):
+            now, S = replace(water, current=one), self._lanes[here, :, there]
+            flow = flow_rows(now)
+            if (flow.parts, flow.counts) != (own.parts, own.counts):
+                raise BadArgument("current", "must have the parts of the plant's, with other numbers")
+            S[rows.CURRENT_X], S[rows.CURRENT_Y] = now.uniform[:2]
+            S[int(S[rows.FLOW]) :][: flow.numbers.size] = flow.numbers
 
     def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
         every = np.empty((len(told), self._lanes.shape[0] * self._width))

@@ -1,4 +1,4 @@
-"""Robots, waters and grounds as text to read."""
+"""Robots, waters, grounds and currents as text to read."""
 
 import math
 from collections.abc import Sequence
@@ -7,6 +7,8 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TypeVar
 
+from laticauda.fluid.flow import Flow
+from laticauda.quantities import quantities_of
 from laticauda.robot import body, effectors, environment, textbook
 from laticauda.robot.robot import Robot
 
@@ -27,16 +29,23 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
     }
 
 
-def describe(thing: Robot | environment.Water | environment.Ground) -> str:
-    """All that is known of `thing`, a robot, a water or a ground: one fact a line, like facts aligned."""
+def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> str:
+    """All that is known of `thing`, a robot, a water, a ground or a flow: one fact a line, like facts aligned."""
     if isinstance(thing, Robot):
         rows = _robot_rows(thing)
+    elif isinstance(thing, Flow):
+        rows = [("current", thing.words), *_flow_rows(thing)]
     elif isinstance(thing, environment.Water):
         rows = _water_rows(thing)
     else:
         rows = _ground_rows(thing)
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:<{width}}  {text}" for name, text in rows)
+
+
+def _flow_rows(flow: Flow) -> list[Row]:
+    """What each of its numbers is."""
+    return [(name, f"{one.text} [{one.unit or '-'}]") for name, one in quantities_of(type(flow)).items()]
 
 
 def _robot_rows(robot: Robot) -> list[Row]:

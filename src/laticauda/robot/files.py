@@ -1,7 +1,8 @@
-"""TOML files of robots, waters and grounds, and the presets that come with laticauda.
+"""TOML files of robots, waters, grounds and currents, and the presets that come with laticauda.
 
-A file says first what it is: ``kind = "robot"``, ``"water"`` or ``"ground"``. The other keys are the fields of the
-class of that name, in the same units (lengths in m, angles in rad), and four things keep a file short:
+A file says first what it is: ``kind = "robot"``, ``"water"``, ``"ground"``, or that of a flow (`laticauda.fluid.flow`),
+which is a current. The other keys are the fields of the class of that name, in the same units (lengths in m, angles in
+rad), and four things keep a file short:
 
 - an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
 - an entry of ``modules`` or ``joints`` may have a ``count``;
@@ -9,25 +10,29 @@ class of that name, in the same units (lengths in m, angles in rad), and four th
   ``axis = ["yaw", "pitch"]`` are 18 joints in turn about the two axes;
 - ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a
   preset or from another file (a path relative to this one).
+
+The ``current`` of a water may be a preset's name or such a path, too.
 """
 
 from os import sep
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar, overload
+from typing import Any, TypeAlias, TypeVar, cast, overload
 
 from laticauda import files, gaits
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
 from laticauda.errors import BadArgument, RobotFileError, nearest
+from laticauda.extensions import name_of
+from laticauda.fluid.flow import Flow
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
 
-Described: TypeAlias = Robot | environment.Water | environment.Ground
-Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground)
+Described: TypeAlias = Robot | environment.Water | environment.Ground | Flow
+Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground, Flow)
 
 KINDS: dict[str, type[Described]] = {"robot": Robot, "water": environment.Water, "ground": environment.Ground}
 PRESETS = Path(__file__).parent / "presets"
 _GONE = {"mamba-speed-limited": "mamba-identified"}
-FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters", "motion": "motions"}
+FOLDERS = {word: f"{word}s" for word in (*KINDS, "current", "parameter", "motion")}
 
 
 class RobotNotFound(RobotFileError, FileNotFoundError):
@@ -41,23 +46,22 @@ class RobotNotFound(RobotFileError, FileNotFoundError):
 
 
 def to_toml(thing: Described) -> str:
-    """Write a robot, water or ground as TOML.
+    """Write a robot, water, ground or flow as TOML.
 
     Args:
-        thing: The `Robot`, `Water` or `Ground`.
+        thing: The `Robot`, `Water`, `Ground` or `Flow`.
 
     Returns:
         The text; ``from_toml(to_toml(thing)) == thing`` holds exactly.
 
     Raises:
-        ValueError: If `thing` is none of the three.
+        ValueError: If `thing` is none of these.
     """
     import tomli_w
 
-    if not isinstance(thing, tuple(KINDS.values())):
-        raise BadArgument("thing", f"must be a Robot, Water or Ground, got {type(thing).__name__}")
-    kind = next(word for word, found in KINDS.items() if isinstance(thing, found))
-    return tomli_w.dumps(stamped(kind, encode(thing)))
+    if not isinstance(thing, (*KINDS.values(), Flow)):
+        raise BadArgument("thing", f"must be a Robot, Water, Ground or Flow, got {type(thing).__name__}")
+    return tomli_w.dumps(stamped(name_of(type(thing)), encode(thing)))
 
 
 @overload
@@ -65,11 +69,11 @@ def from_toml(source: str | Path, kind: type[Kind]) -> Kind: ...
 @overload
 def from_toml(source: str | Path) -> Described: ...
 def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
-    """Read a robot, water or ground from a TOML text, or from a file if `source` is a `Path`.
+    """Read a robot, water, ground or flow from a TOML text, or from a file if `source` is a `Path`.
 
     Args:
         source: The text itself, or a path.
-        kind: `Robot`, `Water` or `Ground`, to refuse anything else; None accepts all three.
+        kind: `Robot`, `Water`, `Ground` or `Flow`, to refuse anything else; None accepts all of them.
 
     Raises:
         RobotFileError: If anything is wrong with it; the message has the file, the key, the rule and the value.
@@ -91,7 +95,7 @@ def read_table(path: Path) -> Table:
 
 def preset_names(kind: str) -> tuple[str, ...]:
     """The names of the presets of a kind, one of `FOLDERS`, sorted."""
-    return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).iterdir()))
+    return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).glob("*")))
 
 
 def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Path:
@@ -135,13 +139,17 @@ def _complete(
 ) -> tuple[type[Described], Table]:
     """The class that a file describes, and its keys with those of the file it extends."""
     with keys_of(shown, RobotFileError):
-        word = take_kind(table, *KINDS)
-        if kind is not None and KINDS[word] is not kind:
-            wanted = next(name for name, one in KINDS.items() if one is kind)
-            raise BadKey("kind", f'must be "{wanted}" here, got {word!r}')
+        is_flow = kind is Flow or (kind is None and table.get("kind") in Flow.names())
+        word = take_kind(table, *(Flow.names() if is_flow else KINDS))
+        if kind not in (None, KINDS.get(word, Flow)):
+            raise BadKey("kind", f'must be "{name_of(cast(type, kind))}" here, got {word!r}')
     base = table.pop("extends", None)
     if base is not None:
-        table = {**_inherited(base, shown, path, word, parents), **table}
+        table = {**_inherited(base, shown, path, "current" if is_flow else word, parents), **table}
+    if is_flow:
+        return Flow, {**table, "kind": word}
+    if word == "water" and "current" in table:
+        table["current"] = current_of(table["current"], None if path is None else path.parent)
     return KINDS[word], table
 
 
@@ -156,7 +164,7 @@ def _inherited(base: object, shown: str, path: Path | None, word: str, parents: 
     chain = parents if path is None else (*parents, path.resolve())
     if other.resolve() in chain:
         raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
-    kind, table = _complete(read_table(other), str(other), other, KINDS[word], chain)
+    kind, table = _complete(read_table(other), str(other), other, KINDS.get(word, Flow), chain)
     _build(kind, table, str(other))
     return {key: value for key, value in table.items() if key not in ("name", "description")}
 
@@ -233,6 +241,37 @@ def load_ground(name_or_path: str | Path) -> environment.Ground:
     return _load(name_or_path, "ground")
 
 
+def current_names() -> tuple[str, ...]:
+    """The names of the presets of currents, sorted."""
+    return preset_names("current")
+
+
+def load_current(name_or_path: str | Path) -> Flow:
+    """Load a flow for `Water.current`.
+
+    Args:
+        name_or_path: A preset's name (`current_names` lists them), or the path of a TOML file.
+
+    Raises:
+        RobotFileError: If there is no such current (`RobotNotFound`), or its file is wrong.
+    """
+    return _load(name_or_path, "current")
+
+
+def current_of(given: Any, folder: Path | None = None) -> Any:
+    """What may stand for a current: the name of a preset or a path as its flow; anything else as it is.
+
+    Args:
+        given: As a file or a caller says it; the name of a flow alone is that with its defaults.
+        folder: Where relative paths start; None for the working directory.
+
+    Raises:
+        RobotFileError: See `load_current`.
+    """
+    is_name = isinstance(given, str) and (given in current_names() or given not in Flow.names())
+    return from_toml(find(given, "current", folder), Flow) if is_name else given
+
+
 def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> gaits.JointAngles:
     """Load a recorded motion.
 
@@ -250,5 +289,5 @@ def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> g
 def _load(name_or_path: object, kind: str) -> Any:
     if not isinstance(name_or_path, str | Path):
         raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
-    kind_of: type[Any] = KINDS[kind]
+    kind_of: type[Any] = KINDS.get(kind, Flow)
     return from_toml(find(name_or_path, kind), kind_of)

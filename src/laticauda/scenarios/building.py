@@ -8,16 +8,20 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, instance, nearest, one_of
+from laticauda.extensions import name_of
+from laticauda.formulas import Law
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import (
     TEXTBOOK,
+    Current,
     Environment,
     Parameters,
     Robot,
     Scene,
     Water,
+    current_of,
     from_toml,
     ground_names,
     load_ground,
@@ -54,11 +58,12 @@ class ModelChanges(TypedDict, total=False):
 class Changes(ModelChanges, total=False):
     """What a scenario may differ in from its defaults: its fields and those of its model, see `ModelChanges`.
 
-    An environment may be a preset's name or a path, a model ``"planar"`` or ``"spatial"``. The environment's default is
-    `default_water` of robot and gait.
+    An environment or a current may be a preset's name or a path, a model ``"planar"`` or ``"spatial"``. The
+    environment's default is `default_water` of robot and gait; a current takes the place of the water's own.
     """
 
     environment: Environment | str | Path | None
+    current: Current | str | None
     model: Model | str
     start: Start | None
     sample_interval: float
@@ -85,13 +90,17 @@ def scenario(robot: Robot | str | Path, motion: Motion, duration: float = 30.0, 
     given = {name: one for name, one in changes.items() if one is not None}
     own: dict[str, Any] = {name: given.pop(name) for name in ("start", "sample_interval") if name in given}
     environment, kind = given.pop("environment", None), cast(Any, given.pop("model", "planar"))
+    moving = {"current": current_of(given.pop("current"))} if "current" in given else {}
     instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
     body = load_robot(robot) if isinstance(robot, str | Path) else robot
+    where = default_water(body, gait) if environment is None else _environment(environment, body)
+    if moving and not isinstance(where, Water):
+        raise BadArgument("current", "must be given with a Water only, which can move")
     return Scenario(
         robot=body,
         motion=motion,
-        environment=default_water(body, gait) if environment is None else _environment(environment, body),
+        environment=replace(where, **moving) if moving else where,
         model=model_of(kind, **given),
         duration=duration,
         **own,
@@ -275,6 +284,8 @@ def _differences(changed: Any, before: Any) -> Mapping[str, Any]:
 
 def _plain(value: Any) -> str:
     """A field's value as a name shows it."""
+    if isinstance(value, Law):
+        return name_of(type(value))
     if isinstance(value, tuple):
         return f"({', '.join(map(_plain, value))})"  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     if isinstance(value, bool):

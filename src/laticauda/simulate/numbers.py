@@ -2,8 +2,9 @@
 
 A name is the way to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. What a robot has
 several of goes by its singular and means all of them alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A
-pair of numbers is two: `water.current_x`, `water.current_y`. `robot.n_links` is the number of links; `joints` has the
-numbers of a joint law of one's own. Units are those of the fields: SI and radians.
+pair of numbers is two: `water.current_x`, `water.current_y`; of a flow, each of its numbers: `water.current.height`,
+and of a sum of flows those of each: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints`
+has the numbers of a joint law of one's own. Units are those of the fields: SI and radians.
 """
 
 import difflib
@@ -38,11 +39,12 @@ UNITS = {
 """The figures of a trial that follow its numbers, with their units."""
 
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
-_PLURAL = {one: several for several, one in _SINGULAR.items()}
+_EACH = {"flows": "flow"}  # whose numbers are never alike
+_PLURAL = {one: several for several, one in (_SINGULAR | _EACH).items()}
 _ENDS = ("_x", "_y", "_z")
 _ONE = re.compile(r"(\w+)\[(\d+)\]")  # one of several: module[3]
 _WHOLE, _NUMBER = ((kind, kind | None) for kind in (int, float))  # types of fields
-_AXES = (tuple[float, float], tuple[float, float] | None, Current)
+_AXES = (tuple[float, float], tuple[float, float] | None, tuple[float, float, float], Current)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,11 +184,14 @@ def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
         unit = numbers[field.name].unit if field.name in numbers else ""
         if hints[field.name] in (*_WHOLE, *_NUMBER):
             yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] in _WHOLE)
+        elif is_dataclass(value):
+            yield from _numbers(value, name)
         elif hints[field.name] in _AXES:
             for end in _ENDS[: len(value or "xy")]:
                 yield Parameter(name=name + end, unit=unit, title=f"{title}: {end[1]}")
-        elif is_dataclass(value):
-            yield from _numbers(value, name)
+        elif field.name in _EACH:
+            for i, one in enumerate(value):
+                yield from _numbers(one, f"{prefix}.{_EACH[field.name]}[{i}]")
         elif field.name in _SINGULAR and value:
             yield from _numbers(value[0], f"{prefix}.{_SINGULAR[field.name]}")
 

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda import interfaces, robot
 from laticauda.dynamics import school
 from laticauda.dynamics.plant import PlantState
+from laticauda.dynamics.school import Currents
 from laticauda.spatial import model, rows
 
 WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, phase shift, offset
@@ -30,10 +32,10 @@ class School(school.School[model.SpatialPlant]):
         """The state of one of them, for `SpatialPlant`."""
         return self._states[which]
 
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
+    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
         for k, i in enumerate(map(int, which)):
             start = interfaces.Start(center_of_mass=tuple(center_of_mass[k].tolist()), heading=float(heading[k]))
-            self._bodies[i] = self._bodies[i].in_current(current[k].tolist())
+            self._bodies[i] = self._bodies[i].in_current(cast(Any, current[k]))
             self._states[i] = self._bodies[i].init(start, self.command)
 
     def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:

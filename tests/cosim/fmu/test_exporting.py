@@ -12,6 +12,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cosim import export_fmu
+from laticauda.cosim.fmu.variables import variables_of
 from laticauda.errors import MissingProgram
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.interfaces import Command, Start
@@ -22,6 +23,7 @@ fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
 EEL = lc.eel_like(amplitude=math.radians(35), frequency=math.radians(110), phase_shift=math.radians(35), offset=0.05)
+GUSTS = replace(lc.load_current("turbulence"), modes=6)
 # What Python's fused multiply-adds and the FMU's lack of them make of rounding in some seconds.
 ROUNDING = 1e-9
 
@@ -63,6 +65,7 @@ KINDS: dict[str, dict[str, Any]] = {
             lc.load_water("paper-eel"), added_mass_form="kirchhoff", rotational="strip", trailing_edge="elongated"
         ),
     },
+    "gusts": {"environment": replace(lc.load_water("paper-lateral"), current=replace(GUSTS, seed=2))},
     "late start": {"start": Start(center_of_mass=(1.0, -2.0), heading=0.7, velocity=0.1), "robot": "mamba"},
 }
 
@@ -536,6 +539,22 @@ def test_without_a_c_compiler_it_says_what_to_install(tmp_path, monkeypatch):
     with pytest.raises(MissingProgram, match=r"`none-such` \(the environment says CC=none-such -m64\)"):
         export_fmu(tmp_path / "snake.fmu", lc.load_robot("mamba"), GAIT)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_numbers_of_a_flow_of_one_formula_are_parameters_and_water_that_moves_as_one_has_inputs():
+    def names(current: Any) -> dict[str, tuple[str, float]]:
+        body = in_python(environment=replace(lc.load_water("paper-lateral"), current=current))[0]
+        found = variables_of(body, GAIT, Start(), inputs="gait")
+        template = body.layout.template
+        for one in found:  # each stands in the row that has its value
+            assert all(template[row] == one.start for row, _ in one.rows if one.name.startswith("current."))
+        return {one.name: (one.causality, one.start) for one in found if one.name.startswith("current.")}
+
+    assert names((0.1, 0.2)) == {"current.x": ("input", 0.1), "current.y": ("input", 0.2)}
+    vortex = lc.load_current("vortex")
+    expected = {f"current.{name}": ("parameter", getattr(vortex, name)) for name in vortex.formula.fields}
+    assert names(vortex) == expected
+    assert names(GUSTS) == {}
 
 
 def test_a_water_that_is_not_the_papers_needs_no_new_machine_code(make, tmp_path):

@@ -2,6 +2,7 @@ import json
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -13,7 +14,9 @@ from rendering import skip_without_rendering
 
 import laticauda as lc
 from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
+from laticauda.cosim.gym.swimming import Range
 from laticauda.quantities import value
+from laticauda.simulate.numbers import changed
 
 SHORT = {"duration": 1.0}  # five steps
 INFOS = ("x", "y", "heading", "power")
@@ -327,6 +330,53 @@ def test_actions_that_do_not_fit_are_refused():
     single.reset()
     with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(1,\), got shape \(\)"):
         single.step("left")
+
+
+GUSTS = {"robot": "mamba", "current": replace(lc.load_current("turbulence"), modes=6), **SHORT}
+
+
+def test_each_seed_is_another_flow_in_lanes_as_in_single_environments_and_all_swim_as_swim_does():
+    settings = {**GUSTS, "currents": {"intensity": (0.02, 0.1)}}
+    envs, one = SwimmingVectorEnv(3, **settings), SwimmingEnv(**settings)
+    envs.reset(seed=5)
+    one.reset(seed=7)
+    for _ in range(5):
+        ends, end = envs.step(np.zeros((3, 1)))[0], one.step(np.zeros(1))[0]
+    np.testing.assert_array_equal(ends[2], end)
+    drawn, task = envs.episodes.drawn, envs.task
+    assert len(set(drawn["water.current.seed"])) == 3
+    assert all((drawn["water.current.intensity"] > 0.02) & (drawn["water.current.intensity"] < 0.1))
+    for lane in range(3):
+        numbers = {name: values[lane] for name, values in drawn.items() if name.startswith("water.")}
+        start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
+        trial = lc.swim(replace(changed(task.scenario, numbers), start=start))
+        here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
+        assert here == pytest.approx(trial.center_of_mass[-1], abs=1e-12)
+
+
+def test_a_flow_is_drawn_by_its_seed_and_not_seen_and_can_be_said():
+    still, moving = SwimmingEnv(robot="mamba", **SHORT), SwimmingEnv(**GUSTS)
+    assert moving.observation_space == still.observation_space
+    assert [draw.name for draw in still.task.draws] == ["y", "heading", "current_speed", "current_direction"]
+    assert [draw.name for draw in moving.task.draws] == ["y", "heading", "water.current.seed"]
+    moving.reset(seed=1, options={"water.current.seed": 3})
+    assert moving.unwrapped.episodes.drawn["water.current.seed"] == [3.0]
+    share = np.linspace(0.0, 1.0, 3000, endpoint=False)
+    counts = np.unique(Range(name="seed", low=2.0, high=4.0, is_whole=True).at(share), return_counts=True)
+    np.testing.assert_array_equal(counts, ([2.0, 3.0, 4.0], [1000] * 3))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"currents": {"intensty": (0.0, 1.0)}}, "got 'water.current.intensty'; the nearest are `water.current.inten"),
+        ({"currents": {"intensity": (-1.0, 1.0)}}, "`intensity` must be >= 0 m/s, got -1"),
+        ({"currents": {"seed": (0, 1)}, "current": (0.1, 0.0)}, "`currents` must name numbers of gait, water or robot"),
+    ],
+)
+def test_numbers_that_the_flow_has_not_are_refused(settings, message):
+    with pytest.raises(ValueError, match=message):
+        SwimmingEnv(**{**GUSTS, **settings})
 
 
 def test_nobody_swims_before_a_reset():

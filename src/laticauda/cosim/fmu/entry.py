@@ -35,6 +35,7 @@ from laticauda.compiling.templates import sources_digest
 from laticauda.errors import BadArgument
 from laticauda.files import write
 from laticauda.fluid.laws import MOTION, DragLaw, Element
+from laticauda.formulas import Formula
 from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
 
@@ -61,12 +62,13 @@ _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt
 _OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
-def object_code(law: DragLaw, joints: JointLaw) -> bytes:
+def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> bytes:
     """The object file with the function `NAME`, from the disk if it was made before.
 
     Args:
         law: Loads on one element.
         joints: How its joints follow their references.
+        flow: The kinds of parts of the water's flow.
 
     Raises:
         ValueError: If this machine's processor is of another family, or the law needs more than numbers.
@@ -74,12 +76,12 @@ def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
         here = f"{sys.platform} on {platform.machine()}"
         raise BadArgument("fmu", f"must be made on Linux on an x86-64 processor, for which it will be, got {here}")
-    kept = kept_at(law, joints)
+    kept = kept_at(law, joints, flow)
     try:
         return kept.read_bytes()
     except OSError:
         pass
-    code = _compiled(law, joints)
+    code = _compiled(law, joints, flow)
     try:  # another process may do the same at this moment
         kept.parent.mkdir(parents=True, exist_ok=True)
         write(kept, code)
@@ -88,27 +90,28 @@ def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     return code
 
 
-def kept_at(law: DragLaw, joints: JointLaw) -> Path:
+def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> Path:
     """Where an object file is kept: beside what Numba keeps, under a name that says what it was made from.
 
     Args:
         law: Loads on one element.
         joints: How its joints follow their references.
+        flow: The kinds of parts of the water's flow.
     """
-    run = specialize(1, law, joints).run  # not compiled by being looked at; its module's name tells sources and law
+    run = specialize(1, law, joints, flow).run  # not compiled by that; its module's name tells sources and laws
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
     return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"
 
 
-def _compiled(law: DragLaw, joints: JointLaw) -> bytes:
+def _compiled(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...]) -> bytes:
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
         with compiling_for(_target()):  # the law alone first, which takes no time
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
-        move = _move(specialize(1, law, joints, target=_target()).run)
+        move = _move(specialize(1, law, joints, flow, _target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
@@ -185,6 +188,7 @@ def _target() -> Target:
         in_lanes=PROCESSOR.in_lanes,
         where=PROCESSOR.where,
         magnitude=PROCESSOR.magnitude,
+        first_lane=PROCESSOR.first_lane,
         instead={"free_joints": free_joints, "rows_of": _rows_of},
     )
 

@@ -27,6 +27,7 @@ from laticauda.cosim.fmu import description, entry
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, instance, one_of
+from laticauda.planar.layout import flow_rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Changes, Planar, Scenario, scenario
 
@@ -199,13 +200,13 @@ def needs_compiling(water: lc.Water, joints: lc.JointLaw | str = "prescribed") -
         water: Where it will swim.
         joints: How its joints will follow their references.
     """
-    return not entry.kept_at(water.drag, lc.JointLaw.of(joints)).exists()
+    return not entry.kept_at(water.drag, lc.JointLaw.of(joints), flow_rows(water).kinds).exists()
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
     """Compile, and pack what belongs together; its identity is a digest of all that it is made of."""
     c_compiler()  # before the kernels, which take seconds
-    code = entry.object_code(body.law, body.joints)
+    code = entry.object_code(body.law, body.joints, body.flow.kinds)
     words = description.Description(
         identifier=_identifier(file.stem),
         robot=_in_words(body),
@@ -251,6 +252,7 @@ def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
         ("rotational loads", water.rotational),
         ("trailing edge", water.trailing_edge),
         ("friction taper", f"{water.friction_taper:g}"),
+        *([("current", water.current_words)] if water.flow else []),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
     )
 

@@ -84,7 +84,7 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
         *_start(plant, start),
         *_water(plant, water),
         *driven,
-        *_current(water),
+        *_current(plant, water),
         *_motion(),
         *_links(plant),
         *_joints(plant),
@@ -174,7 +174,13 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
         yield _input(name, "rad", "phi_ref", 0.0, (-FAR, FAR), text, b + rows.ENVELOPE)
 
 
-def _current(water: lc.Water) -> Iterator[Variable]:
+def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
+    """Of water that moves as one its velocity; of a flow that is its one part its numbers, which others have inside."""
+    flow, kinds = water.flow, plant.flow
+    if flow is not None:
+        if (kinds.parts, kinds.counts) == (((type(flow), None),), (1,)):
+            yield from _law("current", flow, plant.layout.template.size - len(flow.numbers))
+        return
     for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
         text = "Velocity that the water moves to, world axes."
         yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.cosim.gym.swimming import Step, Swimming
+from laticauda.cosim.gym.swimming import FLOW, Step, Swimming
 from laticauda.dynamics.school import Motion
 from laticauda.errors import BadArgument, finite, one_of
 from laticauda.interfaces import Command, Controller
+from laticauda.robot import Current
 from laticauda.simulate.plants import school_of
 
 BOUND = 10.0
@@ -103,8 +104,7 @@ class Episodes:
         draws = self.task.draws
         share = np.array([generators[lane].random(len(draws)) for lane in lanes.tolist()])
         for i, draw in enumerate(draws):
-            drawn = draw.low + share[:, i] * (draw.high - draw.low)
-            self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else drawn
+            self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else draw.at(share[:, i])
         zero = np.zeros(self.n)
         x, y, heading, speed, direction = (
             self._drawn.get(name, zero)[lanes] for name in ("x", "y", "heading", "current_speed", "current_direction")
@@ -113,9 +113,16 @@ class Episodes:
             lanes,
             center_of_mass=np.stack((x, y), axis=1),
             heading=heading,
-            current=np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1),
+            current=np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1)
+            if self.task.flow is None
+            else [self._flow(lane) for lane in lanes.tolist()],
         )
         self._n_steps[lanes] = 0
+
+    def _flow(self, lane: int) -> Current:
+        """That of the water in a lane."""
+        numbers = {name: values[lane].item() for name, values in self._drawn.items() if name.startswith(FLOW)}
+        return self.task.current(numbers)
 
     def step(self, actions: Float[np.ndarray, "n n_actions"]) -> Outcome:
         """One interval.

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -18,11 +18,13 @@ from jaxtyping import Float
 from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import Motion
 from laticauda.errors import instance, within
+from laticauda.fluid.flow import Flow
 from laticauda.gaits import Gait
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot
+from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, scenario
 from laticauda.simulate import plant
+from laticauda.simulate.numbers import changed, look_up, parameters
 
 Numbers = Float[np.ndarray, " n"]
 
@@ -37,6 +39,17 @@ class Range:
     """[SI]."""
     high: float
     """[SI]."""
+    is_whole: bool = False
+    """Whether it is drawn from whole numbers only."""
+
+    def at(self, share: Numbers) -> Numbers:
+        """What is some way from low to high; of whole numbers every one has an equal share.
+
+        Args:
+            share: Of the way, from 0 to below 1 [-].
+        """
+        found = self.low + share * (self.high - self.low + self.is_whole)
+        return np.floor(found) if self.is_whole else found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +94,9 @@ def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbe
     return c * x + s * y, c * y - s * x
 
 
+FLOW = "water.current."
+"""What the names of a flow's numbers begin with, in sweeps and where episodes draw them."""
+SEEDS = (0.0, 2.0**31 - 1.0)
 GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0))
 
 
@@ -109,20 +125,43 @@ class Swimming(ABC):
         ValueError: If a field is out of its range.
     """
 
-    scenario: Scenario = option(
-        "Who swims where with which gait, apart from the actions, and how long an episode is; where it begins and the "
-        "current are those of the episode",
-        default_factory=swimmer,
+    scenario: Scenario = option("Who swims where, how long; episodes have starts and currents", default_factory=swimmer)
+    currents: Mapping[str, tuple[float, float]] = option(
+        "Between which episodes draw numbers of the water's flow; a seed may be any", default_factory=dict[str, Any]
     )
     interval: float = quantity("s", "From one action to the next", gt=0.0, default=0.2)
-    failure_reward: float = quantity(
-        "", "Of a step that diverges, which ends the episode", ge=-1e9, le=0.0, default=-1000.0
-    )
+    failure_reward: float = quantity("", "Of a step that diverges, the last", ge=-1e9, le=0.0, default=-1000.0)
 
     def __post_init__(self) -> None:
         """Check what goes together."""
         instance("scenario.motion", self.scenario.motion, Gait)
         within("interval", self.interval, 0.0, self.scenario.duration, "s")
+        for end in ("low", "high"):
+            self.current({draw.name: getattr(draw, end) for draw in self.flow_draws})
+
+    @property
+    def flow(self) -> Flow | None:
+        """How its water moves, if not as one."""
+        water = self.scenario.environment
+        return water.flow if isinstance(water, Water) else None
+
+    @cached_property
+    def flow_draws(self) -> tuple[Range, ...]:
+        """What every episode draws of the flow's numbers."""
+        known = parameters(self.scenario)
+        ranges = {name: SEEDS for name in known if name.startswith(FLOW) and name.endswith("seed")}
+        ranges |= {look_up(FLOW + name, known, "currents").name: ends for name, ends in self.currents.items()}
+        return tuple(
+            Range(name=name, low=low, high=high, is_whole=known[name].is_whole) for name, (low, high) in ranges.items()
+        )
+
+    def current(self, drawn: Mapping[str, float]) -> Current:
+        """How the water moves with other numbers.
+
+        Args:
+            drawn: By name, as in `flow_draws` [SI].
+        """
+        return cast(Water, changed(self.scenario, drawn).environment).current
 
     @property
     def gait(self) -> Gait:

@@ -64,7 +64,9 @@ class Steered(Swimming):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """The current."""
+        """The current, or what there is to be drawn of the water's flow."""
+        if self.flow is not None:
+            return self.flow_draws
         return (
             Range(name="current_speed", low=0.0, high=self.max_current),
             Range(name="current_direction", low=-math.pi, high=math.pi),
@@ -132,15 +134,9 @@ class Efficiency(Swimming):
         ValueError: If a field is out of its range, or the amplitude could take a joint beyond its limit.
     """
 
-    amplitudes: tuple[float, float] = quantity(
-        "rad", "What may be asked for", ge=0.0, default=(0.0, math.radians(45.0))
-    )
-    frequencies: tuple[float, float] = quantity(
-        "rad/s", "What may be asked for", ge=0.0, default=(0.0, math.radians(130.0))
-    )
-    phase_shifts: tuple[float, float] = quantity(
-        "rad", "What may be asked for", default=(math.radians(10.0), math.radians(70.0))
-    )
+    amplitudes: tuple[float, float] = quantity("rad", "May be asked for", ge=0.0, default=(0.0, math.radians(45.0)))
+    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
+    phase_shifts: tuple[float, float] = quantity("rad", "Likewise", default=(math.radians(10.0), math.radians(70.0)))
     speeds: tuple[float, float] = quantity("m/s", "Of v, which an episode draws", ge=0.0, default=(0.03, 0.15))
     speed_tolerance: float = quantity("m/s", "v_1, error of the speed that costs 1 per second", gt=0.0, default=0.02)
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
@@ -171,7 +167,7 @@ class Efficiency(Swimming):
     @property
     def draws(self) -> tuple[Range, ...]:
         """The speed asked for."""
-        return (Range(name="speed_ref", low=self.speeds[0], high=self.speeds[1]),)
+        return (Range(name="speed_ref", low=self.speeds[0], high=self.speeds[1]), *self.flow_draws)
 
     @property
     def sights(self) -> tuple[Sight, ...]:
@@ -211,9 +207,7 @@ class StationKeeping(Steered):
         ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
     """
 
-    frequencies: tuple[float, float] = quantity(
-        "rad/s", "What may be asked for", ge=0.0, default=(0.0, math.radians(130.0))
-    )
+    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
     max_distance: float = quantity("m", "At the start, along each axis", ge=0.0, default=1.0)
     distance_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
 
