@@ -25,14 +25,11 @@ class Tank:
     """A robot that somebody else operates, shown besides; nothing is sent to it."""
 
     lab: bool = option(
-        "Show the robot of a running `laticauda lab`, or of a tank. --robot is then what is in it: mamba-modules if it "
-        "is left out, as in the lab",
-        default=False,
+        "Show the robot of a running `laticauda lab`, or of a tank: --robot, mamba-modules if left out", default=False
     )
     trial: File = option("The same, with robot, connections and marker body of this trial file (.toml)", default=None)
     can: str | None = option(
-        "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; that of the trial file, or of the lab, if left out",
-        default=None,
+        "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; left out: the trial file's or the lab's", default=None
     )
     mocap: str | None = option("Its motion capture, HOST:PORT; likewise", default=None)
 

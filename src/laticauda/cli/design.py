@@ -37,19 +37,13 @@ class Unknowns:
 
     after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
     parameters: Words = option(
-        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its value "
-        "or with what is known of it before",
-        default=(),
+        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in a sweep, with what is known of them before", default=()
     )
     criterion: str = option(
-        "What is to be small: D, the volume of what is possible; A, the mean variance; or the name of one parameter, "
-        "its deviation",
-        default="D",
+        "To be small: D, the volume of what is possible; A, the mean variance; NAME, one's deviation", default="D"
     )
     rivals: Words = option(
-        "NAME: waters or parameter files of which only one is true: choose the trials that tell them apart, whatever "
-        "the parameters are",
-        default=(),
+        "NAME: waters or parameter files of which only one is true: choose trials that tell them apart", default=()
     )
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 

@@ -24,15 +24,11 @@ class Route:
     waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
     smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
-        "The guidance law; the last two learn a current, and model-predictive plans ahead with a model that it fits to "
-        "four trials of its own first",
-        default="line-of-sight",
+        "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
     )
 
     circle: tuple[float, float, float, float] | None = quantity(
-        "",
-        "A circle instead: x and y of its middle and its radius in m, and turns, positive to the left",
-        default=None,
+        "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
     )
     path_depth: tuple[float, ...] = quantity(
         "m",
@@ -66,7 +62,7 @@ class Plan:
     speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
     power_limit: float | None = quantity("W", "Most that the gait may take, mean over its cycle", gt=0.0, default=None)
     frequency_limits: tuple[float, float] | None = quantity(
-        "rad/s", "Least and greatest frequency of the gait; none: the gait's alone", gt=0.0, default=None
+        "rad/s", "Of the gait; none: its own alone", gt=0.0, default=None
     )
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
     look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", gt=0.0, default=1.62)

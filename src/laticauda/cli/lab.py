@@ -22,8 +22,7 @@ class Body:
     """What swims, where."""
 
     robot: str = option(
-        "A preset (`laticauda robots` lists them) or a TOML file, of at most 18 joints, with or without a fin",
-        default="mamba-modules",
+        "A preset (`laticauda robots` lists them) or a TOML file, of at most 18 joints", default="mamba-modules"
     )
     water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")

@@ -55,8 +55,7 @@ class SweepCommand(Study):
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
     ] = option(
-        "What the points in the table are the best in: the fastest, or those with the least power or cost",
-        default="forward-velocity",
+        "What the table's points are best in: the fastest, or of least power or cost", default="forward-velocity"
     )
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
@@ -125,26 +124,17 @@ class Optimize(Study):
         default=(BOTH,),
     )
     budget: int = quantity("", "How many points to try; a greater goes on where a smaller ended", ge=1, default=4000)
-    population: int | None = quantity(
-        "", "In a generation; 100 for two objectives, 40 for one if left out", ge=1, default=None
-    )
+    population: int | None = quantity("", "In a generation; left out 100, for one objective 40", ge=1, default=None)
     seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
-    joint_rate_limit: float | None = quantity(
-        "rad/s",
-        "Largest rate that a gait may ask of a joint; its angle stays within the joint's limit in any case",
-        gt=0.0,
-        default=None,
-    )
+    joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
     least_velocity: float | None = quantity(
-        "m/s", "Least forward velocity that will do: without one the cheapest gait hardly moves", gt=0.0, default=None
+        "m/s", "Least that will do: the cheapest gait hardly moves", gt=0.0, default=None
     )
     beyond_actuators: bool = option(
-        "Count gaits too for which joints' actuators have too little torque or speed, or whose links overlap",
-        default=False,
+        "Count gaits too that ask too much of actuators, or whose links overlap", default=False
     )
     output: Folder = option(
-        "The folder of the results; an optimization that was stopped goes on there when the same command is run again",
-        default="optimum",
+        "The folder of results; what was stopped goes on there when the same command is run again", default="optimum"
     )
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
