@@ -112,7 +112,7 @@ def test_degrees_are_in_the_name():
         ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
         ("--list nothing.csv", "nothing.csv: no such file"),
         ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
-        ("--list ragged.csv", "--list must have 2 numbers in every line, got 1 in ragged.csv, line 3"),
+        ("--list ragged.csv", "ragged.csv: row 3: it must have a cell per column"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
         ("--list words.csv --samples 3", "--list must not be given together with --vary or --samples"),
         ("--vary amplitude-deg=1 --output file", "--output must be a folder, got the file file"),

@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.protocol import MeterIdentity, MeterReading, ProtocolError, meter
-from laticauda.protocol.meter import LineReader, decode_displayed, decode_identity, displayed_text
+from laticauda.protocol import MeterReading, ProtocolError, meter
+from laticauda.protocol.meter import LineReader, decode_displayed, displayed_text
 
 AMPERES = st.integers(-(10**6), 10**6).map(lambda raw: raw * 1e-5)
 READINGS = st.builds(MeterReading, live=AMPERES) | st.builds(
@@ -25,11 +25,6 @@ def test_the_current_comes_back(current):
     assert (float(number), rest) == (pytest.approx(current, rel=1e-6), ["ADC", "NORMAL", "NONE"])
 
 
-def test_the_identity_comes_back():
-    identity = MeterIdentity(model="FLUKE 289", software="V1.00", serial="95081087")
-    assert decode_identity(meter.identity_text(identity)) == identity
-
-
 @given(lines=st.lists(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126))), cut=st.integers(1, 5))
 def test_lines_come_back_however_the_stream_is_cut(lines, cut):
     stream = b"".join(map(meter.encode_question, lines))
@@ -41,11 +36,10 @@ def test_lines_come_back_however_the_stream_is_cut(lines, cut):
 def test_random_bytes_give_lines(data):
     reader = LineReader()
     for line in reader.feed(data):
-        for read in (decode_displayed, decode_identity):
-            try:
-                read(line)
-            except ProtocolError:
-                pass
+        try:
+            decode_displayed(line)
+        except ProtocolError:
+            pass
     assert len(reader._waiting) <= meter.LONGEST
 
 
@@ -60,7 +54,5 @@ def test_an_answer_that_is_cut_short_is_an_error_or_lacks_digits_of_its_time_onl
 def test_what_is_no_direct_current_is_refused():
     with pytest.raises(ProtocolError, match="overloaded"):
         decode_displayed(displayed_text(MeterReading(live=9.99999999e37)))
-    with pytest.raises(ProtocolError, match="must have 3 fields"):
-        decode_identity("FLUKE 289")
     with pytest.raises(ProtocolError, match="must show a direct current"):
         decode_displayed("V_DC,NONE,AUTO,VDC,5,0,OFF,0.000,0,1,LIVE,1.0E0,VDC,0,4,5,NORMAL,NONE,0.0")

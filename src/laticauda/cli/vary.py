@@ -3,9 +3,7 @@
 `amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is three values.
 """
 
-import csv
 import difflib
-import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -123,34 +121,24 @@ def rows(path: str, known: Known) -> studies.Rows:
         ValueError: If the file cannot be read as such.
         OSError: If it cannot be read at all.
     """
-    with io.StringIO(files.read_text(path), newline="") as file:
-        lines = csv.reader(file)
-        names = [name.strip() for name in next(lines, ())]
-        if not names:
-            raise BadArgument("list", f"must be a CSV file with the names of parameters in its first line, got {path}")
-        columns: dict[str, list[float]] = {}
-        factors: list[float] = []
-        for name in names:
-            parameter, factor = _meant(name, known, columns)
-            columns[parameter.name] = []
-            factors.append(factor)
-        for line in filter(None, lines):
-            where = f"{path}, line {lines.line_num}"
-            if len(line) != len(names):
-                raise BadArgument("list", f"must have {len(names)} numbers in every line, got {len(line)} in {where}")
-            for column, factor, text in zip(columns.values(), factors, line, strict=True):
-                found = _number(text)
-                if not math.isfinite(found):
-                    raise BadArgument("list", f"must be a table of numbers, got {f'{text} in {where}'!r}")
-                column.append(factor * found)
+    names, lines = files.read_rows(path)
+    if not names:
+        raise BadArgument("list", f"must be a CSV file with the names of parameters in its first line, got {path}")
+    columns: dict[str, list[float]] = {}
+    for name in names:
+        parameter, factor = _meant(name, known, columns)
+        columns[parameter.name] = [factor * _number(row[name], f"{path}, line {line}") for line, row in lines]
     return studies.Rows(values=columns)
 
 
-def _number(text: str) -> float:
+def _number(text: str, where: str) -> float:
     try:
-        return float(text)
+        found = float(text)
     except ValueError:
-        return math.nan
+        found = math.nan
+    if not math.isfinite(found):
+        raise BadArgument("list", f"must be a table of numbers, got {f'{text} in {where}'!r}")
+    return found
 
 
 def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Parameter, float]:

@@ -19,8 +19,6 @@ DRAINING = 1.0  # s in which what was too long may still come in, so that the cl
 class ServerFailed(LaticaudaError, OSError):
     """The server cannot begin: it says where, and why."""
 
-    __str__ = Exception.__str__
-
 
 class Server:
     """Any number of worlds, each with its client, over TCP; see docs/cosim-protocol.md.

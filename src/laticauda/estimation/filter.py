@@ -248,16 +248,13 @@ class Estimator(StateEstimator):
         residual, rows = measured - expected[:n], rows[:n]
         if n == 3:
             residual[2] = wrap_to_pi(float(residual[2]))
-        if posterior.squared_distance(residual, rows, noise) > self._limit(n):
+        gate = n + self.gate * math.sqrt(2.0 * n)  # mean and spread of chi-squared are n and sqrt(2 n)
+        if posterior.squared_distance(residual, rows, noise) > gate:
             if state.n_rejected + 1 < self.patience:
                 return replace(state, n_rejected=state.n_rejected + 1)
             posterior = _inflated(posterior)
         posterior = posterior.update(residual, rows, noise)
         return replace(state, posterior=posterior, frame_time=state.time, n_rejected=0)
-
-    def _limit(self, n: int) -> float:
-        """The gate on a squared distance of n numbers: mean and spread of chi-squared are n and sqrt(2 n)."""
-        return n + self.gate * math.sqrt(2.0 * n)
 
     def _measurement(self, frame: PoseSample) -> tuple[Vector, Matrix]:
         variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]

@@ -19,31 +19,13 @@ Vector = Float[np.ndarray, " _n"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Posture:
-    """What one frame said together with the joint angles of its time."""
-
-    time: float
-    """[s]."""
-    center_of_mass: Float[np.ndarray, " n_axes"]
-    """[m]."""
-    heading: float
-    """Unwrapped [rad]."""
-    pitch: float
-    """Mean of the modules, positive downward; 0 in the plane [rad]."""
-    link_angle: Vector
-    """[rad]."""
-    joint_angle: Vector
-    """[rad]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class KinematicState:
-    """The last samples of the joints, and the postures of the last moments."""
+    """The last samples of the joints, and what the frames of the last moments said."""
 
     joints: tuple[tuple[float, Vector], ...] = ()
     """Times [s] and angles [rad], oldest first."""
-    postures: tuple[Posture, ...] = ()
-    """Oldest first."""
+    frames: tuple[Estimate, ...] = ()
+    """Oldest first; without velocities."""
 
 
 @value
@@ -88,26 +70,31 @@ class KinematicEstimator(StateEstimator):
 
     def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
         assert frame.rotation is not None  # the caller looked
-        if state.postures and frame.time <= state.postures[-1].time:
+        if state.frames and frame.time <= state.frames[-1].time:
             return state
         times = np.array([time for time, _ in state.joints])
         angles = np.stack([angle for _, angle in state.joints])
         joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
         theta, place, pitch = self._seen(frame.position, frame.rotation, joint)
-        if state.postures:
-            before = state.postures[-1].heading
+        if state.frames:
+            before = state.frames[-1].heading
             now = float(heading(theta))
             theta = theta + (before + wrap_to_pi(now - before) - now)
-        posture = Posture(
+        said = Estimate(
             time=frame.time,
+            status="tracking",
+            age=0.0,
             center_of_mass=place,
+            center_of_mass_velocity=np.zeros_like(place),
             heading=float(heading(theta)),
             pitch=pitch,
+            heading_rate=0.0,
             link_angle=theta,
             joint_angle=joint,
+            joint_rate=np.zeros_like(joint),
         )
-        kept = [old for old in state.postures if old.time >= frame.time - self.span - 1e-9]
-        return replace(state, postures=(*kept, posture))
+        kept = [old for old in state.frames if old.time >= frame.time - self.span - 1e-9]
+        return replace(state, frames=(*kept, said))
 
     def _own(self, angle: Vector) -> Vector:
         """The joints that count, of all."""
@@ -135,21 +122,17 @@ class KinematicEstimator(StateEstimator):
             state: The estimator's state.
             time: For when; None: for the last frame [s].
         """
-        if not state.postures:
+        if not state.frames:
             return None
-        first, last = state.postures[0], state.postures[-1]
+        first, last = state.frames[0], state.frames[-1]
         now = last.time if time is None else max(time, last.time)
         pace = 1.0 / (last.time - first.time) if last.time > first.time else 0.0
-        return Estimate(
+        return replace(
+            last,
             time=now,
             status=self.status_at(now - last.time),
             age=now - last.time,
-            center_of_mass=last.center_of_mass,
             center_of_mass_velocity=pace * (last.center_of_mass - first.center_of_mass),
-            heading=last.heading,
-            pitch=last.pitch,
             heading_rate=pace * (last.heading - first.heading),
-            link_angle=last.link_angle,
-            joint_angle=last.joint_angle,
             joint_rate=pace * (last.joint_angle - first.joint_angle),
         )

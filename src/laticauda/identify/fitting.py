@@ -211,11 +211,6 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
     )
 
 
-def refitted(found: Fit, problem: Problem) -> Fit:
-    """The same unknowns from other measurements, begun where a fit ended."""
-    return solve(problem, replace(found.method, n_starts=1), start=found.best)
-
-
 # ---- one search ------------------------------------------------------------------------------------------------------
 
 

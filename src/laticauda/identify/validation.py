@@ -62,7 +62,7 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
         out = [i for i, other in enumerate(names) if other == name]
         rest = problem.part([i for i in range(len(names)) if i not in out])
         began = problem.moves[out].any(axis=0) & ~np.isin(np.arange(len(problem.unknowns)), problem.of_interest)
-        refit = fitting.refitted(found, rest)
+        refit = fitting.solve(rest, replace(found.method, n_starts=1), start=found.best)
         values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
         if not _lacks(found, out, rest.moves | began):
             predictions[np.isin(problem.owner, out)] = model.predict(problem.part(out), values[-1]).values

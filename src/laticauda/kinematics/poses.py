@@ -12,7 +12,7 @@ nan passes through: a marker that was lost gives a pose that is unknown, at that
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -125,12 +125,9 @@ class Posture:
         """Trailing edge of the fin; of a robot without one the tail end. A rigid fin extends the tail link backward."""
         return self.fin_line[..., 0, :]
 
-    @cached_property
-    def _angles(self) -> np.ndarray:
-        return _with_fin(self.robot, self.link_angle, self.fin_angle)
-
     def _at(self, lever: Levers) -> Points:
-        return self.center_of_mass[..., np.newaxis, :] + _offsets(lever, self._angles)
+        angle = _with_fin(self.robot, self.link_angle, self.fin_angle)
+        return self.center_of_mass[..., np.newaxis, :] + _offsets(lever, angle)
 
 
 def center_of_mass(

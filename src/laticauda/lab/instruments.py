@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from laticauda.kinematics import ModulePoses, turned_about_vertical
 from laticauda.lab.settings import MocapSettings, SupplySettings
-from laticauda.protocol import BodyPose, MeterIdentity, MeterReading, MocapFrame, meter
+from laticauda.protocol import BodyPose, MeterReading, MocapFrame, meter
 
 BODY = "last-module"
 # Where the five markers sit on their body: a cross with one arm longer than the others; an assumption [m].
@@ -93,7 +93,7 @@ def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
     return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
 
 
-IDENTITY = MeterIdentity(model="FLUKE 289", software="V1.16", serial="00000007")
+IDENTITY = "FLUKE 289,V1.16,00000007"  # model, software, serial number
 
 
 class Multimeter:
@@ -143,7 +143,7 @@ class Multimeter:
         """What it says to a line, as it goes over the wire."""
         word = " ".join(line.upper().split())
         if word == meter.IDENTITY:
-            return meter.encode_answer(meter.identity_text(IDENTITY))
+            return meter.encode_answer(IDENTITY)
         if word == meter.RESTART:
             self._began = self._time
             self._sum, self._count, self._minimum, self._maximum = 0.0, 0, math.inf, -math.inf

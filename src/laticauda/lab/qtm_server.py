@@ -20,8 +20,6 @@ PARSE_ERROR = qtm.encode_text("Parse error", qtm.PacketType.ERROR)
 class ServerFailed(LaticaudaError, OSError):
     """A server of the lab cannot begin: it says where, and why."""
 
-    __str__ = Exception.__str__
-
 
 @dataclass(eq=False)
 class _Client:

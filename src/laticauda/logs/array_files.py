@@ -104,7 +104,7 @@ class MatFile(Format):
         content: dict[str, Any] = {name: one.values for name, one in series.items()}
         content["units"] = {name: one.attrs["units"] for name, one in series.items()}
         # Its texts are bytes to Octave: what is not ASCII is escaped, and whole in the text that is read back.
-        content |= {name: _ascii(str(dataset.attrs[name])) for name in TEXTS}
+        content |= {name: str(dataset.attrs[name]).encode("ascii", "backslashreplace").decode() for name in TEXTS}
         content[TEXT] = json.dumps(dataset.attrs)
         with path.open("wb") as file:
             _library().savemat(file, content, long_field_names=True, oned_as="column")
@@ -156,10 +156,6 @@ def _content(path: Path) -> dict[str, Any]:
         raise TrialFileError(f"Cannot load {path}: {message}.") from error
     except Exception as error:  # scipy raises anything at bytes that make no sense
         raise TrialFileError(f"Cannot load {path}: it is no .mat file, or it is damaged.") from error
-
-
-def _ascii(text: str) -> str:
-    return text.encode("ascii", "backslashreplace").decode()
 
 
 def _library() -> Any:

@@ -18,7 +18,7 @@ from laticauda.logs.message_file import MessageFile, moment, nanoseconds
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
-_CAN_FRAME = struct.Struct("<4s iI I4s I??? B8s")  # encapsulation; stamp, frame_id ""; identifier, flags, length, data
+_CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")  # encapsulation; stamp, frame_id ""; identifier, length, data
 WORLD = "world"
 """The frame of the world axes."""
 
@@ -128,19 +128,6 @@ class Recorder(MessageFile):
         """
         self.message(topic, time, "std_msgs/Float64", {"data": value}, unit=unit)
 
-    def vector(self, topic: str, time: float, xyz: Sequence[float], unit: str = "", frame: str = WORLD) -> None:
-        """Record a vector (geometry_msgs/Vector3Stamped).
-
-        Args:
-            topic: Where, as "/current".
-            time: When, as for `message` [s].
-            xyz: Its components.
-            unit: Their unit.
-            frame: Whose axes these are.
-        """
-        content = {"header": _header(time, frame), "vector": _xyz(xyz)}
-        self.message(topic, time, "geometry_msgs/Vector3Stamped", content, unit=unit)
-
     def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
         """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
 
@@ -166,17 +153,7 @@ class Recorder(MessageFile):
         content = {"layout": {"dim": dim, "data_offset": 0}, "data": numbers.ravel()}
         self.message(topic, time, "std_msgs/Float64MultiArray", content, unit=unit)
 
-    def can_frame(
-        self,
-        topic: str,
-        time: float,
-        identifier: int,
-        data: bytes,
-        *,
-        is_extended: bool = False,
-        is_rtr: bool = False,
-        is_error: bool = False,
-    ) -> None:
+    def can_frame(self, topic: str, time: float, identifier: int, data: bytes) -> None:
         """Record a raw frame of a CAN bus (can_msgs/Frame).
 
         Args:
@@ -184,9 +161,6 @@ class Recorder(MessageFile):
             time: When, as for `message` [s].
             identifier: Of the frame.
             data: Up to 8 bytes.
-            is_extended: Whether the identifier has 29 bits.
-            is_rtr: Whether it asks for data.
-            is_error: Whether the bus reports an error by it.
 
         Raises:
             ValueError: If there are more than 8 bytes.
@@ -198,8 +172,7 @@ class Recorder(MessageFile):
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
         seconds, rest = divmod(now, 1_000_000_000)
-        flags = bool(is_rtr), bool(is_extended), bool(is_error)
-        body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, *flags, len(data), bytes(data))
+        body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data))
         self.add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:

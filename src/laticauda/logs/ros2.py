@@ -37,7 +37,6 @@ DEFINITIONS = {
     "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
     "geometry_msgs/Pose": "Point position\nQuaternion orientation\n",
     "geometry_msgs/PoseStamped": "std_msgs/Header header\nPose pose\n",
-    "geometry_msgs/Vector3Stamped": "std_msgs/Header header\nVector3 vector\n",
     "geometry_msgs/Transform": "Vector3 translation\nQuaternion rotation\n",
     "geometry_msgs/TransformStamped": "std_msgs/Header header\nstring child_frame_id\nTransform transform\n",
     "sensor_msgs/JointState": (

@@ -65,12 +65,14 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
     march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
+    # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
+    laws = np.concatenate((law, law >= rows.FIRST_FREE))
     march[math.ceil(len(runs) / _THREADS), _THREADS](
         S,
         n,
         cuda.to_device(first_strip),
         cuda.to_device(first_plate),
-        cuda.to_device(_with_freedom(law)),
+        cuda.to_device(laws),
         tail_link,
         has_extras,
         plant.is_implicit,
@@ -83,11 +85,6 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     n_samples = end[rows.SAMPLES].astype(int)
     path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
     return block_of(index, path, end, n_samples)
-
-
-def _with_freedom(law: np.ndarray) -> np.ndarray:
-    """The joint laws, and behind them which joints are free: a kernel on a GPU cannot make arrays."""
-    return np.concatenate((law, law >= rows.FIRST_FREE))
 
 
 @functools.cache

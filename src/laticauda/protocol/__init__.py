@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from laticauda.protocol.messages import NodeCommand as NodeCommand, NodeState as NodeState, Order as Order
     from laticauda.protocol.messages import ProtocolError as ProtocolError, References as References, Result as Result
     from laticauda.protocol.messages import Sync as Sync, references as references
-    from laticauda.protocol.meter import MeterIdentity as MeterIdentity, MeterReading as MeterReading
+    from laticauda.protocol.meter import MeterReading as MeterReading
     from laticauda.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -17,8 +17,6 @@ CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
 class BusFailed(LaticaudaError, OSError):
     """A CAN bus cannot be opened: it says which, and why."""
 
-    __str__ = Exception.__str__
-
 
 @value
 class BusAddress:

@@ -50,18 +50,6 @@ class MeterReading:
     """Of the record [s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeterIdentity:
-    """Which meter it is."""
-
-    model: str
-    """[-]."""
-    software: str
-    """[-]."""
-    serial: str
-    """[-]."""
-
-
 @dataclass
 class LineReader:
     """Cuts a stream of bytes into lines that end with a carriage return, and drops what is too long to be one."""
@@ -89,23 +77,6 @@ def encode_answer(data: str | None = None, acknowledgment: Acknowledgment = Ackn
     """
     first = str(int(acknowledgment)).encode() + END
     return first if data is None else first + data.encode("ascii") + END
-
-
-def identity_text(identity: MeterIdentity) -> str:
-    """The data of the answer to ID."""
-    return f"{identity.model},{identity.software},{identity.serial}"
-
-
-def decode_identity(text: str) -> MeterIdentity:
-    """The meter that the answer to ID tells of.
-
-    Raises:
-        ProtocolError: If it is no such answer.
-    """
-    words = text.split(",")
-    if len(words) != 3:
-        raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {text!r:.80}")
-    return MeterIdentity(model=words[0].strip(), software=words[1].strip(), serial=words[2].strip())
 
 
 def live_text(current: float) -> str:

@@ -21,8 +21,6 @@ RETRY = 0.5  # after an error, before the next try [s, wall clock]
 class DeviceFailed(LaticaudaError, OSError):
     """A device cannot be reached: it says which, why, and what to check."""
 
-    __str__ = Exception.__str__
-
 
 def hardware(package: str, module: str) -> Any:
     """A device's library, which comes with the extra `hardware`.

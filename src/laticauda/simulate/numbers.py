@@ -102,7 +102,8 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
         return known[name]
     near = _near(name, known) if isinstance(name, str) else []
     hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}" if near else ""
-    rule = f"must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, got {name!r}{hint}"
+    medium = "ground" if any(one.startswith("ground.") for one in known) else "water"
+    rule = f"must name numbers of gait, {medium} or robot, as `gait.amplitude`, got {name!r}{hint}"
     raise BadArgument(argument, rule)
 
 
@@ -261,7 +262,3 @@ def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:
     found = [word for end in ends for word in by_end[end]]
     found.sort(key=lambda word: -difflib.SequenceMatcher(None, plain, word).ratio())
     return list(dict.fromkeys([*found, *difflib.get_close_matches(plain, known, n=3)]))[:3]
-
-
-def _environment_word(known: Mapping[str, Parameter]) -> str:
-    return "ground" if any(name.startswith("ground.") for name in known) else "water"

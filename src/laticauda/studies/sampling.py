@@ -195,7 +195,8 @@ class Samples:
             blocks: One slice each, in rising order: going back would mean to begin again.
             counts: Names of parameters that take whole numbers only.
         """
-        engine = _halton(len(self.ranges), self.seed)
+        qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")
+        engine = qmc.Halton(len(self.ranges), scramble=True, rng=self.seed)
         low, high = np.array(list(self.ranges.values())).T
         is_count = np.array([name in counts for name in self.ranges])
         at = 0
@@ -219,11 +220,6 @@ class Samples:
 
 
 Points: TypeAlias = Grid | Rows | Samples
-
-
-def _halton(n_names: int, seed: int) -> Any:
-    qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")
-    return qmc.Halton(n_names, scramble=True, rng=seed)
 
 
 def _checked(values: Mapping[str, Any]) -> dict[str, Values]:

@@ -36,7 +36,8 @@ class MeterDriver(Worker[PowerReading]):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            self.identity = meter.decode_identity(self._query(meter.IDENTITY))
+            if (identity := self._query(meter.IDENTITY)).count(",") != 2:  # model, software, serial number
+                raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {identity!r:.80}")
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
             raise DeviceFailed(
