@@ -83,7 +83,6 @@ def test_a_water_with_a_flow_goes_through_files():
 
 FLOWS = {
     "sum of two kinds": Swirl(v_x=0.1) + Steady(u=0.2) + Swirl(rate=0.4),
-    "rankine": Flow.named("rankine")(circulation=0.3, core=0.2, x=0.1),
     "lamb-oseen": Flow.named("lamb-oseen")(circulation=0.3, core=0.2, viscosity=1e-3),
     "karman-street": Flow.named("karman-street")(pairs=3),
     "turbulence": Flow.named("turbulence")(modes=5, mean=(0.1, 0.0, 0.0), evolution=1.0),

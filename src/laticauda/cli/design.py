@@ -62,9 +62,7 @@ class Candidates:
         default=("speed",),
     )
     tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot, for its loads", default=(0.1, 0.4))
-    tow_angles: tuple[float, ...] = quantity(
-        "rad", "Of the robot to its way in them; 0: along", default=_degrees(0, 15)
-    )
+    tow_angles: tuple[float, ...] = quantity("rad", "Of the robot to its way; 0: along", default=_degrees(0, 15))
     coast_down: tuple[float, ...] = quantity("m/s", "Speeds from which the straight robot is let go", default=(0.4,))
     no_tow: bool = option("Neither tow nor coast-down", default=False)
     no_swims: bool = option("Nothing that swims", default=False)
@@ -84,9 +82,7 @@ class DesignExperiment(Command):
 
     unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
     robot: str | None = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
-    base: str | None = option(
-        "Parameter file: numbers not identified, joint law; the paper's if left out", default=None
-    )
+    base: str | None = option("Parameter file: numbers not identified, joint law; or the paper's", default=None)
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     candidates: Candidates = option("Trials that could be done", default=Candidates())

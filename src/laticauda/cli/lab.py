@@ -72,9 +72,7 @@ class LabCommand(Command):
     scene: Scene = option("What is around it", default=Scene())
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
-    save: NetCdf = option(
-        "Write the truth since the robot was last put into the water to this file (.nc)", default=None
-    )
+    save: NetCdf = option("Write the truth since the robot was put into the water to this file (.nc)", default=None)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":

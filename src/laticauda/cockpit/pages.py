@@ -56,9 +56,7 @@ def serve(host: str, port: int) -> Any:
             port = int(probe.getsockname()[1])
     except OSError as error:
         why = (error.strerror or str(error)).lower()
-        raise PortTaken(
-            f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes any that is free."
-        ) from error
+        raise PortTaken(f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one.") from error
     with contextlib.redirect_stdout(io.StringIO()):
         return viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
 

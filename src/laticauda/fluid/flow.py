@@ -26,7 +26,7 @@ from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law
 from laticauda.quantities import DEGREES, option, quantities_of, quantity, value
 
-FLOWS = dict.fromkeys(("rankine", "lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
+FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
     "turbulence": "laticauda.fluid.turbulence"
 }
 """Where the flows are that come with the package; they are imported when one is named."""

@@ -1,9 +1,8 @@
 """Vortices about vertical axes, and the street of them behind a cylinder.
 
-The velocity around a vortex of circulation Gamma at the distance r from its axis is
+The velocity around a vortex of circulation Gamma (Lamb and Oseen) at the distance r from its axis is
 
-    Rankine       Gamma r / (2 pi max(r^2, r_c^2))
-    Lamb-Oseen    Gamma / (2 pi r) (1 - exp(-r^2 / r_c^2)),    r_c^2 = core^2 + 4 nu t
+    Gamma / (2 pi r) (1 - exp(-r^2 / r_c^2)),    r_c^2 = core^2 + 4 nu t
 
 Behind a cylinder of diameter D in a stream U, vortices leave at the frequency St U / D, in turn on either side. In the
 stable street the rows are .281 of their spacing l apart, and it moves through the water at Gamma / (sqrt(8) l) (von
@@ -55,27 +54,6 @@ def around(x: float, y: float, g: float, slope: float, g_t: float, c_x: float, c
     v_x, v_y = g + 2.0 * slope * x * x, 2.0 * slope * x * y
     u_t, v_t = -g_t * y - c_x * u_x - c_y * u_y, g_t * x - c_x * v_x - c_y * v_y
     return -g * y, g * x, 0.0, u_t, v_t, 0.0, u_x, u_y, 0.0, v_x, v_y, 0.0, 0.0, 0.0, 0.0, 0.0
-
-
-@value
-class Rankine(Flow):
-    """A vortex that turns as a solid body within its core, and is free of rotation outside."""
-
-    circulation: float = quantity("m^2/s", "Gamma, positive counter-clockwise from above")
-    core: float = quantity("m", "r_c, radius of the core", gt=0.0)
-    x: float = quantity("m", "Where its axis is at the start", default=0.0)
-    y: float = quantity("m", "The same", default=0.0)
-    velocity_x: float = quantity("m/s", "Of its axis", default=0.0)
-    velocity_y: float = quantity("m/s", "The same", default=0.0)
-
-    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water, see `Flow.__call__`."""
-        dx, dy = x - self.x - self.velocity_x * t, y - self.y - self.velocity_y * t
-        s, inside = dx * dx + dy * dy, self.core * self.core
-        out = where(s.real > inside.real, 1.0 / where(s.real > inside.real, s, inside + 0.0 * s), 0.0 * s)
-        strength = 0.5 * self.circulation / math.pi
-        g = strength * where(s.real > inside.real, out, 1.0 / inside + 0.0 * s)
-        return around(dx, dy, g, -strength * out * out, 0.0, self.velocity_x, self.velocity_y)
 
 
 @value
