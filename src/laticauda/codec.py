@@ -306,8 +306,8 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
 def encode(value: Any, hint: Any = None) -> Any:
     """What `decode` turns back into an equal value.
 
-    Fields that are zero, empty or absent by default are left out where they are so; all others are written, so that a
-    file keeps its meaning when a default changes.
+    Fields that are zero, infinite, empty or absent by default are left out where they are so; all others are written,
+    so that a file keeps its meaning when a default changes.
 
     Args:
         value: A dataclass, or what a field of one holds.
@@ -339,8 +339,8 @@ def _table(thing: Any) -> Table:
     table: Table = {}
     for field in fields(kind):
         value = getattr(thing, field.name)
-        if value is None or (value == field.default and not value):
-            continue
+        if value is None or (value == field.default and (not value or value == math.inf)):
+            continue  # JSON knows no infinity
         name, written = field.name, encode(value, hints[field.name])
         if written == {} and field.default_factory is not MISSING:
             continue

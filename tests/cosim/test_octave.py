@@ -3,6 +3,7 @@
 import functools
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import laticauda as lc
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
 from laticauda.cosim import matlab_folder
+from laticauda.cosim.messages import FIRST_GAIT
 from laticauda.interfaces import Start
 from laticauda.simulate import plant, run
 
@@ -113,3 +115,21 @@ def test_the_other_requests_and_the_errors_reach_octave(octave):
         "laticauda:refused: `duration` must be > 0 s, got -1.",
         "1201 8",
     ]
+
+
+def test_a_robot_swims_in_a_flow_that_octave_says_as_in_one_that_python_says(octave):
+    flow = replace(lc.load_current("turbulence"), modes=6, evolution=0.0, seed=3)
+    trial = lc.swim("mamba", FIRST_GAIT, 2.0, current=flow)
+    x, y = trial.center_of_mass[-1].tolist()
+    out = octave(
+        """
+        flow = struct ('kind', 'turbulence', 'modes', 6, 'mean', [0.1, 0, 0], 'seed', 3);
+        client.reset (struct ('robot', 'mamba', 'current', flow));
+        reply = client.step (2);
+        printf ('%.12g ', reply.observation.center_of_mass); printf ('\\n');
+        reply = client.change (struct ('current', 'turbulence'));
+        printf ('%s %d\\n', reply.command.current.kind, reply.command.current.modes);
+        disp ('ended well')
+        """
+    )
+    assert [line.strip() for line in out.splitlines()] == [f"{x:.12g} {y:.12g}", "turbulence 32"]

@@ -138,13 +138,13 @@ def test_a_current_of_a_water_may_be_a_preset_or_a_file_beside_it_which_may_exte
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('kind = "water"', r'must be one of "rankine", .*, got \'water\''),
+        ('kind = "water"', r'must be one of "lamb-oseen", .*, got \'water\''),
         ('kind = "vortx"', r"must be one of .*, got 'vortx'"),
         ("core = 1", "key `kind`: is missing; it must be one of .*"),
         ('kind = "lamb-oseen"\ncore = 1', "key `circulation`: is missing; every LambOseen needs it"),
         ('kind = "lamb-oseen"\nextends = "vortx"', "there is no current preset named `vortx`; did you mean `vortex`"),
         ('kind = "turbulence"\nextends = "vortex"', "key `circulation`: is not known"),
-        ('kind = "rankine"\ncirculation = 1\ncore = -1', "key `core`: must be > 0 m, got -1"),
+        ('kind = "lamb-oseen"\ncirculation = 1\ncore = -1', "key `core`: must be > 0 m, got -1"),
     ],
 )
 def test_a_current_that_is_none_is_refused_by_its_key(text, message, tmp_path):

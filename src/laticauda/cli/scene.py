@@ -191,7 +191,7 @@ def current(words: Sequence[str]) -> Flow:
     try:
         flow = member(Flow, name, "current") if ":" in name else robot.load_current(name)
         pairs = [numbers("current", word, CHANGES) for word in changes]
-        return updated(flow, {key.replace("-", "_"): one for key, _, (one,) in pairs})
+        return updated(flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs})
     except BadKey as bad:
         raise BadFlag(f"--current {name}: {BadArgument(bad.key, bad.rule)}") from None
     except BadArgument as error:
