@@ -6,6 +6,7 @@ process, or is an entry point of an installed package; nothing that a file names
 """
 
 import functools
+import re
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -124,12 +125,7 @@ def name_of(kind: type) -> str:
     own = kind.__dict__.get("called")
     if own is not None:
         return str(own)
-    letters = kind.__name__
-    parts = [
-        f"-{c.lower()}" if c.isupper() and i > 0 and not letters[i - 1].isupper() else c.lower()
-        for i, c in enumerate(letters)
-    ]
-    return "".join(parts)
+    return re.sub(r"(?<=[^A-Z])(?=[A-Z])", "-", kind.__name__).lower()
 
 
 @functools.cache

@@ -149,11 +149,9 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
             if target.exists():
                 shutil.copymode(target, new)
             new.replace(target)
-    except OSError as failure:
-        reason = failure.strerror or failure
-        raise StorageFailed(
-            f"{path}: cannot be written: {reason}; make room there, or name another place."
-        ) from failure
+    except OSError as error:
+        reason = error.strerror or error
+        raise StorageFailed(f"{path}: cannot be written: {reason}; make room there, or name another place.") from error
     finally:
         if is_plain:
             new.unlink(missing_ok=True)

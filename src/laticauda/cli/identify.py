@@ -218,9 +218,7 @@ def _text(done: validation.Validation, folder: Path) -> str:
     tables: dict[str, list[dict[str, Any]]] = {
         name: cast("Any", frame).to_dict("records") for name, frame in identification_tables(done).items()
     }
-    rows = [
-        {name: cell for name, cell in row.items() if name not in ("prior", "range")} for row in tables["parameters"]
-    ]
+    rows = [{name: one for name, one in row.items() if name not in ("prior", "range")} for row in tables["parameters"]]
     parts = [found.status, table(rows)]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers of where the trials began."

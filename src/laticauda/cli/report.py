@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from laticauda import gaits, scenarios
 from laticauda.cli.tables import aligned, number, percent, read_in
-from laticauda.gaits import Custom, Gait, Wave
 from laticauda.quantities import quantities_of
 from laticauda.robot import SEEN, TEXTBOOK, Ground, Robot, Water
-from laticauda.scenarios import loop_in_words
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
@@ -164,7 +163,7 @@ def _robot(robot: Robot) -> str:
     return f"{robot.name}: {robot.n_links} links, {robot.length:.4g} m, {robot.mass:.4g} kg{fin}"
 
 
-def _gait(gait: Gait | None) -> str:
+def _gait(gait: gaits.Gait | None) -> str:
     if gait is None:
         return "none"
     parts: list[str] = []
@@ -172,7 +171,7 @@ def _gait(gait: Gait | None) -> str:
         parts.append(f"recorded motion: {len(seen.angle)} joints, {seen.time[0]:g} to {seen.time[-1]:.4g} s")
     if seen is None or gait.amplitude or gait.offset:
         parts.append(f"{gait.kind.replace('_', '-')}: {_listed(gait, 'amplitude', 'frequency', 'phase_shift')}")
-    if isinstance(gait.envelope, Custom):
+    if isinstance(gait.envelope, gaits.Custom):
         parts.append(f"envelope {' '.join(f'{g:g}' for g in gait.envelope.values)}")
     if gait.pitch is not None:
         parts.append(f"pitch wave: {_listed(gait.pitch, 'amplitude')}")
@@ -181,11 +180,11 @@ def _gait(gait: Gait | None) -> str:
     return ", ".join(parts)
 
 
-def _listed(wave: Gait | Wave, *names: str) -> str:
+def _listed(wave: gaits.Gait | gaits.Wave, *names: str) -> str:
     """Numbers of a wave, in degrees."""
     parts = [f"{name.replace('_', ' ')} {math.degrees(getattr(wave, name)):.4g} deg" for name in names]
     parts = [f"{part}/s" if part.startswith("frequency") else part for part in parts]
-    if isinstance(wave, Wave):
+    if isinstance(wave, gaits.Wave):
         parts.append(f"{math.degrees(wave.phase):.4g} deg ahead")
     if wave.offset:
         parts.append(f"offset {math.degrees(wave.offset):.4g} deg")
@@ -238,7 +237,7 @@ def _run(trial: Trial) -> str:
         parts.append(f"scene {settings['scene']}: it pushes a link with {number(strongest)} N at most")
     is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
     if is_steered and settings.get("offset_bandwidth"):
-        parts.append(f"steering: {loop_in_words(settings)}")
+        parts.append(f"steering: {scenarios.loop_in_words(settings)}")
     return ", ".join(parts)
 
 

@@ -30,9 +30,8 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, whole
+from laticauda.identify import design, identifiability
 from laticauda.identify.candidates import Candidate, rows_of
-from laticauda.identify.design import best_of, prior_information
-from laticauda.identify.identifiability import marginal
 from laticauda.identify.problem import Problem
 from laticauda.simulate.runner import Progress
 
@@ -93,15 +92,15 @@ def discriminate(
     for k, (true, rival) in enumerate(ways):
         problem = rivals[rival][0]
         n = 1 + len(problem.unknowns)
-        known[k, 1:n, 1:n] = prior_information(problem, problem.start)
+        known[k, 1:n, 1:n] = design.prior_information(problem, problem.start)
         for i, ((numbers, _), (others, rows)) in enumerate(zip(seen[true], seen[rival], strict=True)):
             columns = np.column_stack((numbers - others, rows))
-            added[i, k, :n, :n] = marginal(columns.T @ columns, range(n))
+            added[i, k, :n, :n] = identifiability.marginal(columns.T @ columns, range(n))
 
     def judged(one: Candidate, total: np.ndarray) -> Judged:
         return one, np.min(np.reshape(_distances(total), (2, -1)), axis=0)
 
-    chosen = best_of(added, known, n_trials, lambda total: -_worst(_distances(total)))
+    chosen = design.best_of(added, known, n_trials, lambda total: -_worst(_distances(total)))
     alone = [judged(one, known + information) for one, information in zip(candidates, added, strict=True)]
     totals = known + np.cumsum(added[chosen], axis=0)
     return Discrimination(
@@ -113,7 +112,7 @@ def discriminate(
 
 def _distances(total: Float[np.ndarray, "n_ways n n"]) -> Float[np.ndarray, " n_ways"]:
     """T of every model and its rival."""
-    return np.array([max(0.0, float(marginal(one, [0])[0, 0])) for one in total])
+    return np.array([max(0.0, float(identifiability.marginal(one, [0])[0, 0])) for one in total])
 
 
 def _worst(distances: Float[np.ndarray, " n"]) -> float:

@@ -6,15 +6,14 @@ from typing import Any, cast
 
 import numpy as np
 
+import laticauda as lc
 from laticauda.errors import BadArgument
 from laticauda.extensions import name_of
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolution import with_tied
 from laticauda.quantities import quantities_of
-from laticauda.robot import Parameters, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed, parameters
 
 Changes = dict[str, dict[str, Any]]
@@ -29,7 +28,7 @@ _TABLES = {
 }
 
 
-def applied(problem: Problem, values: Values, scenario: Scenario, gait_kind: str) -> Scenario:
+def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: str) -> lc.Scenario:
     """A scenario with what was identified for a kind of gait.
 
     Args:
@@ -39,28 +38,27 @@ def applied(problem: Problem, values: Values, scenario: Scenario, gait_kind: str
         gait_kind: Whose own numbers win over the general ones; "": the general ones only.
     """
     known = parameters(scenario, each=True)
-    return changed(
-        scenario, {name: value for name, value in _for_gait(problem, values, gait_kind).items() if name in known}
-    )
+    own = _for_gait(problem, values, gait_kind)
+    return changed(scenario, {name: value for name, value in own.items() if name in known})
 
 
-def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Parameters:
+def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:
     """What was identified as a parameter file has it; see `Fit.parameters`."""
-    bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, Water)}
+    bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, lc.Water)}
     if not bases:
         raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
     first = problem.scenarios[0].environment
-    first = first if isinstance(first, Water) else next(iter(bases.values()))
+    first = first if isinstance(first, lc.Water) else next(iter(bases.values()))
     base = problem.scenarios[0]
 
-    def water(of: Water, kind: str) -> Water:
-        return cast(Water, applied(problem, values, replace(base, environment=of), kind).environment)
+    def water(of: lc.Water, kind: str) -> lc.Water:
+        return cast(lc.Water, applied(problem, values, replace(base, environment=of), kind).environment)
 
     common = water(first, "")
     own = {kind: water(bases.get(kind, first), kind) for kind in GAITS}
     joints = applied(problem, values, base, "").model.joints
     changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
-    return Parameters(
+    return lc.Parameters(
         name=name,
         title=title,
         joints=joints if quantities_of(type(joints)) else name_of(type(joints)),

@@ -10,12 +10,10 @@ from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extras import optional_import
-from laticauda.identify.identifiability import LIMIT
+from laticauda.identify import identifiability, result, unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, make_problem
-from laticauda.identify.result import Fit, LocalSearch, Method, fit_of
-from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
 from laticauda.simulate.runner import Progress
@@ -45,19 +43,19 @@ def fit(
     measurements: Sequence[Measurement],
     robot: Robot | None = None,
     *,
-    parameters: Sequence[str | Unknown] | Mapping[str, tuple[float, float]],
+    parameters: Sequence[str | unknowns.Unknown] | Mapping[str, tuple[float, float]],
     model: Model | str | None = None,
     noise: str = "known",
     loss: str = "linear",
     n_starts: int = 4,
     seed: int = 0,
     confidence: float = 0.95,
-    limit: float = LIMIT,
+    limit: float = identifiability.LIMIT,
     threads: int | None = None,
     progress: Progress | None = None,
     keep: Keep | None = None,
     **changes: Unpack[ModelChanges],
-) -> Fit:
+) -> result.Fit:
     """Identify parameters of robot and water from measured trials, by least squares.
 
     Minimizes the sum over all measured numbers of ((predicted - measured) / sigma)^2, and over all priors of
@@ -95,19 +93,19 @@ def fit(
         >>> found["water.tangential_friction"].is_identified
         True
     """
-    method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
+    method = result.Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
     return solve(problem, method, progress=progress, keep=keep)
 
 
 def solve(
     problem: Problem,
-    method: Method,
+    method: result.Method,
     *,
     start: Vector | None = None,
     progress: Progress | None = None,
     keep: Keep | None = None,
-) -> Fit:
+) -> result.Fit:
     """Solve a problem; arguments and errors as for `fit`.
 
     Args:
@@ -118,7 +116,7 @@ def solve(
         keep: See `fit`.
     """
     _check_enough(problem, method)
-    searches: list[LocalSearch] = []
+    searches: list[result.LocalSearch] = []
     failures: Mapping[str, str] = {}
     kept, least = None, math.inf
 
@@ -153,11 +151,11 @@ def solve(
     if method.noise == "estimated":
         best = _with_noise(problem, method, best, steps)
 
-    found = fit_of(problem, method, best, searches)
+    found = result.fit_of(problem, method, best, searches)
     return found if steps > 1 else replace(found, warnings=(INTERRUPTED, *found.warnings))
 
 
-def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]:
+def _starts(problem: Problem, method: result.Method, first: np.ndarray) -> list[np.ndarray]:
     """Coordinates to begin with: the first, and a Latin hypercube around it, the same for a given seed."""
     x, n = problem.x_of(first), method.n_starts - 1
     rng = np.random.default_rng(method.seed)
@@ -169,7 +167,7 @@ def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndar
     return [x, *np.array(columns).T]
 
 
-def _with_noise(problem: Problem, method: Method, best: LocalSearch, steps: int) -> LocalSearch:
+def _with_noise(problem: Problem, method: result.Method, best: result.LocalSearch, steps: int) -> result.LocalSearch:
     """The search again with the noise as the residuals have it, until both agree; once, without priors."""
     factor = 1.0
     for _ in range(_ROUNDS):
@@ -188,7 +186,7 @@ def _with_noise(problem: Problem, method: Method, best: LocalSearch, steps: int)
     return best
 
 
-def _check_enough(problem: Problem, method: Method) -> None:
+def _check_enough(problem: Problem, method: result.Method) -> None:
     """Refuse fewer numbers than unknowns."""
     n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
     n_data, n_free = problem.observed.size, len(problem.unknowns) - n_priors
@@ -223,7 +221,7 @@ def minimize(
     free: Int[np.ndarray, " n_free"] | None = None,
     steps: int = _MOST_STEPS,
     look: Callable[[Vector, float], None] | None = None,
-) -> LocalSearch:
+) -> result.LocalSearch:
     """One search.
 
     Args:
@@ -275,7 +273,7 @@ def minimize(
         max_nfev=steps,
     )
     end, jac = whole(found.x), np.asarray(found.jac)
-    return LocalSearch(start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0)
+    return result.LocalSearch(start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0)
 
 
 def all_residuals(

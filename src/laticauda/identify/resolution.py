@@ -83,9 +83,7 @@ def dependence(
             if j != k and other == name and scope and not other_scope:
                 moves[:, j] &= ~moves[:, k]
     for k, (scope, name) in enumerate(split):
-        twice = [
-            j for j, (_, other) in enumerate(split) if j != k and other == name and (moves[:, j] & moves[:, k]).any()
-        ]
+        twice = [j for j, (_, other) in enumerate(split) if j != k and other == name and any(moves[:, j] & moves[:, k])]
         if twice:
             raise BadArgument(
                 "parameters",

@@ -11,10 +11,9 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of
 from laticauda.extras import optional_import
+from laticauda.identify import measurements, model
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
-from laticauda.identify.measurements import SERIES
-from laticauda.identify.model import predict
 from laticauda.identify.noise import widening
 from laticauda.identify.problem import Problem, warnings_of
 from laticauda.quantities import one_among, option, quantity, value
@@ -218,7 +217,7 @@ class Fit:
                     measurement=p.measurements[place.owner].name,
                     group=group,
                     what=place.what,
-                    unit=(SERIES if place.is_series else UNITS)[place.what],
+                    unit=(measurements.SERIES if place.is_series else UNITS)[place.what],
                     measured=None if place.is_series else float(p.observed[place.at.start]),
                     predicted=None if place.is_series else float(self.predictions[place.at.start]),
                     deviation=deviation,
@@ -303,7 +302,7 @@ def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequen
         searches: All of them, the best first.
     """
     values, jacobian = problem.values_of(best.end), best.jacobian
-    predicted = predict(problem, values).values
+    predicted = model.predict(problem, values).values
     off = (predicted - problem.observed) / problem.sigma
     chi2 = float(np.sum(off**2))
     by_data = identifiability(problem.information(jacobian), problem.unknowns, limit=method.limit)

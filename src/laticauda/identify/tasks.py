@@ -42,17 +42,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.codec import (
-    BadKey,
-    arguments_of,
-    check_keys,
-    decode,
-    keys_of,
-    merged,
-    table_of,
-    take_kind,
-    updated,
-)
+from laticauda import codec, scenarios
 from laticauda.errors import BadArgument, RobotFileError, label, one_of
 from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
@@ -62,7 +52,6 @@ from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
-from laticauda.scenarios import preset_water
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.runner import Progress
 
@@ -221,8 +210,8 @@ class Task:
         kept, base = found.parameters(self.name, self.title), self.base
         if base is None:
             return kept
-        changes = merged(dict(base.changes), dict(kept.changes))
-        return replace(kept, changes=changes, own_changes=merged(dict(base.own_changes), dict(kept.own_changes)))
+        changes = codec.merged(dict(base.changes), dict(kept.changes))
+        return replace(kept, changes=changes, own_changes=codec.merged(dict(base.own_changes), dict(kept.own_changes)))
 
 
 def compare_laws(
@@ -268,7 +257,7 @@ def load_task(path: str | Path) -> Task:
     """
     file = Path(path)
     table = read_table(file)
-    with keys_of(file, RobotFileError):
+    with codec.keys_of(file, RobotFileError):
         task = task_from_table(table, file.stem, file.parent)
     return replace(task, sources=(file, *task.sources))
 
@@ -287,17 +276,17 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         TrialFileError: If a trial in it cannot be read.
     """
     table = {"name": name, **table}
-    take_kind(table, KIND)
-    check_keys(table, (*_TaskFile.__dataclass_fields__, *OPTIONS))
+    codec.take_kind(table, KIND)
+    codec.check_keys(table, (*_TaskFile.__dataclass_fields__, *OPTIONS))
     options = {OPTIONS[key]: table.pop(key) for key in OPTIONS if key in table}
     for key, only in (("parameters", "name"), ("trials", "file")):  # a text in the place of a table
         if isinstance(table.get(key), list):
             table[key] = [{only: entry} if isinstance(entry, str) else entry for entry in table[key]]
-    said = decode(_TaskFile, {"title": table["name"], **table})
+    said = codec.decode(_TaskFile, {"title": table["name"], **table})
     if not said.parameters:
-        raise BadKey("parameters", "must name at least one number to identify")
+        raise codec.BadKey("parameters", "must name at least one number to identify")
     if not said.trials and said.table is None and said.table1 is None:
-        raise BadKey("trials", "is missing; trials, [table] or [table1] are what is identified from")
+        raise codec.BadKey("trials", "is missing; trials, [table] or [table1] are what is identified from")
     base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
@@ -340,13 +329,13 @@ def _base(said: _TaskFile) -> lc.Parameters | None:
     base = None if said.base is None else lc.load_parameters(said.base)
     if said.fixed is None:
         return base
-    check_keys(said.fixed, ("water", *NAMES), "fixed")
-    usual = preset_water("paper-lateral") if base is None else base.every_gait
-    water = updated(usual, said.fixed.get("water", {}), "fixed.water")
+    codec.check_keys(said.fixed, ("water", *NAMES), "fixed")
+    usual = scenarios.preset_water("paper-lateral") if base is None else base.every_gait
+    water = codec.updated(usual, said.fixed.get("water", {}), "fixed.water")
     changes = read_adjustments({key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed")
     if base is None:
         return lc.Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
-    return replace(base, every_gait=water, changes=merged(dict(base.changes), changes))
+    return replace(base, every_gait=water, changes=codec.merged(dict(base.changes), changes))
 
 
 def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path]]:
@@ -356,9 +345,9 @@ def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path
         files.append(folder / own.file)
         rows += from_table(files[0], own.figure, sigma=own.sigma, robot=said.robot or "mamba")
     if said.table1 is not None and said.table1 is not False:
-        arguments = {} if said.table1 is True else table_of(said.table1, "table1")
-        check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
-        with arguments_of("table1"):
+        arguments = {} if said.table1 is True else codec.table_of(said.table1, "table1")
+        codec.check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
+        with codec.arguments_of("table1"):
             rows += from_table1(**arguments)
     return rows, files
 

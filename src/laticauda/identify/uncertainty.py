@@ -65,11 +65,10 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
     inside, outside, at = 0.0, math.inf, x
     for _ in range(_ROUNDS):
         step = min(step, most)
-        moved = at.copy()
-        moved[k] = x[k] + sign * step
-        at = (
-            minimize(found.problem, moved, loss=found.method.loss, factor=factor, free=free).end if free.size else moved
-        )
+        at = at.copy()
+        at[k] = x[k] + sign * step
+        if free.size:
+            at = minimize(found.problem, at, loss=found.method.loss, factor=factor, free=free).end
         cost = _cost(found, at)
         height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
         if abs(height - quantile) <= _CLOSE * quantile:

@@ -6,9 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.actuation.laws import Drive, Servo
-from laticauda.lab.nodes import Senses
+from laticauda.lab import nodes, virtual_robot
 from laticauda.lab.settings import LabSettings
-from laticauda.lab.virtual_robot import Truth
 from laticauda.robot import Robot
 
 GRAVITY = 9.81  # m/s^2
@@ -53,7 +52,7 @@ class Electronics:
 
     def advance(
         self,
-        truth: Truth,
+        truth: virtual_robot.Truth,
         reference: Float[np.ndarray, " n"],
         on: Bool[np.ndarray, " n"],
         jammed: Bool[np.ndarray, " n"],
@@ -85,7 +84,7 @@ class Electronics:
         self.voltage = 0.5 * supply.voltage * (1.0 + float(root))
         self.supply_current = power / self.voltage
 
-    def accelerate(self, truth: Truth, dt: float) -> None:
+    def accelerate(self, truth: virtual_robot.Truth, dt: float) -> None:
         """See the modules at the end of a step of the regular clock, for the accelerometers."""
         poses = truth.modules
         self._positions = [*self._positions[-2:], poses.position[self._modules]]
@@ -94,12 +93,12 @@ class Electronics:
             felt = (now - 2.0 * middle + before) / dt**2 + np.array([0.0, 0.0, GRAVITY])
             self._acceleration = np.einsum("nij,ni->nj", poses.rotation[self._modules], felt)
 
-    def forget(self, truth: Truth) -> None:
+    def forget(self, truth: virtual_robot.Truth) -> None:
         """The robot was carried elsewhere: no acceleration comes from that, and no work."""
         self._positions = []
         self._work = truth.electrical_work
 
-    def read(self, truth: Truth, leaks: Bool[np.ndarray, " n"]) -> list[Senses]:
+    def read(self, truth: virtual_robot.Truth, leaks: Bool[np.ndarray, " n"]) -> list[nodes.Senses]:
         """What every node reads now.
 
         Args:
@@ -128,7 +127,7 @@ class Electronics:
             "leak": leaks,
         }
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        return [Senses(**dict(zip(columns, row, strict=True)), voltage=self.voltage) for row in rows]
+        return [nodes.Senses(**dict(zip(columns, row, strict=True)), voltage=self.voltage) for row in rows]
 
     def _heat(self, dt: float) -> None:
         """C dT/dt = R I^2 - (T - T_water) / R_th, with R = V / I_stall."""

@@ -7,21 +7,20 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda import gaits, series
 from laticauda.actuation.laws import Servo
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
-from laticauda.gaits import Gait
 from laticauda.interfaces import ORIENTATION, Command, Start
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
-from laticauda.series import Log, concatenated
 from laticauda.trial import Trial
 
 SAMPLE_INTERVAL = 0.05  # s
 MOST_SAMPLES = 72_000
-STILL = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,7 +76,7 @@ class VirtualRobot:
         self.driven = np.array(driven, dtype=int)
         self.start = start or Start()
         self._work = self._time = 0.0
-        self._log: list[Log] = []
+        self._log: list[series.Log] = []
         self._put(self.start)
 
     def carry(self, start: Start) -> None:
@@ -123,14 +122,14 @@ class VirtualRobot:
             version: Of laticauda.
         """
         return Trial(
-            **vars(concatenated(self._log)),
+            **vars(series.concatenated(self._log)),
             scenario=Experiment(robot=self.plant.robot, environment=self.plant.environment, model=self.plant.settings),
             version=version,
             status="The truth of the virtual tank.",
             succeeded=True,
         )
 
-    def _truth(self, log: Log) -> Truth:
+    def _truth(self, log: series.Log) -> Truth:
         angle = self._all_joints(log, log.joint_angle, "fin_angle_0")
         rate = self._all_joints(log, log.joint_rate, "fin_rate_0")
         torque = self._all_joints(log, log.joint_torque, "fin_torque")
@@ -153,7 +152,7 @@ class VirtualRobot:
             modules=module_poses(self.robot, center, rotation, angle[: self.robot.n_joints], ballast_depth=ballast),
         )
 
-    def _all_joints(self, log: Log, values: np.ndarray, of_fin: str) -> np.ndarray:
+    def _all_joints(self, log: series.Log, values: np.ndarray, of_fin: str) -> np.ndarray:
         """The last values of all joints, from those that the plant has, and of a driven fin; the others are held."""
         full = np.zeros(len(self.robot.driven_joints))
         full[self.driven] = np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from laticauda import files, trial
 from laticauda.errors import TrialFileError
 from laticauda.extras import optional_import
-from laticauda.files import read_bytes
-from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import MARK, assembled, variable
 
@@ -32,7 +31,7 @@ SEAL = b"\nlaticauda sha256 "
 SEAL_LENGTH = len(SEAL) + 64
 
 
-class NetCdfFile(Format):
+class NetCdfFile(trial.Format):
     """The Dataset as it is."""
 
     called: ClassVar[str] = "nc"
@@ -53,7 +52,7 @@ class NetCdfFile(Format):
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
         """The trial in a file; see `Format.read`."""
-        content = read_bytes(path)
+        content = files.read_bytes(path)
         try:
             found = _decoded(_unsealed(content))
         except (OSError, RuntimeError, AttributeError) as error:  # what netCDF raises at bytes that make no sense
@@ -87,7 +86,7 @@ TEXT = "laticauda_trial"
 TEXTS = ("scenario", "status")
 
 
-class MatFile(Format):
+class MatFile(trial.Format):
     """After ``load run.mat`` there is a variable per time series, time along its rows.
 
     So ``joint_angle(:, 1)`` is the tail-most joint's, ``units.joint_angle`` its unit; ``scenario`` and ``status`` are
@@ -148,7 +147,7 @@ def mat_columns(path: Path) -> dict[str, Samples]:
 
 def _content(path: Path) -> dict[str, Any]:
     library = _library()
-    content = read_bytes(path)
+    content = files.read_bytes(path)
     try:
         return library.loadmat(BytesIO(content))
     except NotImplementedError as error:

@@ -130,9 +130,7 @@ class Body:
     )
     forward: Direction = option("Which of its own axes points to the head", default="x")
     link: int = quantity("", "The link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
-    offset: tuple[float, float] = quantity(
-        "m", "Its place from mid-link: toward the head, to the left", default=(0.0, 0.0)
-    )
+    offset: tuple[float, float] = quantity("m", "Its place from mid-link: toward the head, left", default=(0.0, 0.0))
     angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
 
     def __post_init__(self) -> None:
@@ -167,9 +165,7 @@ def _one_or_several(name: str, given: Any) -> str | tuple[str, ...]:
 class JointColumns:
     """One column per joint."""
 
-    columns: str | tuple[str, ...] = option(
-        "Their names, tail first; or one with {} for the number", check=_one_or_several
-    )
+    columns: str | tuple[str, ...] = option("Names, tail first; or one with {} for the number", check=_one_or_several)
     first: int = quantity("", "The number of the tail-most joint, where they are numbered", default=0, ge=0)
     head_first: bool = option("Whether the first of them is the head-most joint", default=False)
     unit: str | None = option("Their unit; None: SI", default=None)

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda import kinematics, robot, scenarios, trial
+from laticauda import kinematics, robot, scenarios, series, trial
 from laticauda.errors import BadArgument
 from laticauda.logs import column_maps, tables, tabular
 from laticauda.logs.placing import Angles, Measured, Place, joints_of, place_of
-from laticauda.series import SIGNAL, log_of
 from laticauda.trial import dataset, metrics
 from laticauda.trial.arrays import Samples, times
 
@@ -134,9 +133,7 @@ def _electrical_work(log: Measured) -> Samples:
     return metrics.integral(log.time, log.whole(given.column or given.current or "", power) - idle)
 
 
-def rate(
-    time: Samples, signal: Float[np.ndarray, "n_samples ..."], window: float
-) -> Float[np.ndarray, "n_samples ..."]:
+def rate(time: Samples, signal: Float[np.ndarray, "n ..."], window: float) -> Float[np.ndarray, "n ..."]:
     """The slope of a signal: of the cubic polynomial that fits it best over a window around each moment.
 
     A Savitzky-Golay filter, exact for cubic polynomials also at both ends, where the window is one-sided. It damps what
@@ -231,5 +228,5 @@ def _own_table(table: tables.Table, known: scenarios.Experiment) -> trial.Trial:
         arrays["work"] = np.stack([plain[name] for name in dataset.WORK], axis=1)
     except KeyError as error:
         raise ValueError(f"The file has no column `{error.args[0]}`.") from error
-    arrays |= {name: one for name, one in plain.items() if name == dataset.ELECTRICAL or name.startswith(SIGNAL)}
-    return trial.Trial(**vars(log_of(arrays)), scenario=known, version=version("laticauda"))
+    arrays |= {name: one for name, one in plain.items() if name == dataset.ELECTRICAL or name.startswith(series.SIGNAL)}
+    return trial.Trial(**vars(series.log_of(arrays)), scenario=known, version=version("laticauda"))

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda import kinematics
+from laticauda import kinematics, robot
 from laticauda.errors import BadArgument
 from laticauda.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
 from laticauda.logs.tables import Table
-from laticauda.robot import Robot
 from laticauda.trial.arrays import Samples
 
 Points = Float[np.ndarray, "n_samples 2"]
@@ -77,7 +76,7 @@ class Place:
     """Angles of its links [rad]."""
 
 
-def place_of(log: Measured, chain: Robot) -> Place:
+def place_of(log: Measured, chain: robot.Robot) -> Place:
     """Where the robot was, by whichever section of the map says it.
 
     Args:
@@ -104,7 +103,7 @@ def place_of(log: Measured, chain: Robot) -> Place:
     return Place(position, heading, link_angle)
 
 
-def _from_body(log: Measured, chain: Robot, body: Body) -> Place:
+def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Place:
     if body.link >= chain.n_links:
         raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
     if body.name is not None:
@@ -126,7 +125,7 @@ def _of_qtm(table: Table, body: Body) -> Body:
     return dataclasses.replace(body, name=None, position=position, yaw=f"{body.name} Yaw")
 
 
-def _from_ends(log: Measured, chain: Robot) -> Place:
+def _from_ends(log: Measured, chain: robot.Robot) -> Place:
     ends = log.column_map.ends
     assert ends is not None
     if len(ends.markers) != chain.n_links + 1:
@@ -199,7 +198,7 @@ def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3
     return log.whole(f"angle of {name}", angle)
 
 
-def joints_of(log: Measured, section: str, chain: Robot) -> Angles:
+def joints_of(log: Measured, section: str, chain: robot.Robot) -> Angles:
     """What one section has of every joint, in SI units, without gaps.
 
     Args:

@@ -13,8 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from laticauda.errors import BadArgument
-from laticauda.logs import ros2
-from laticauda.logs.message_file import MessageFile, moment, nanoseconds
+from laticauda.logs import message_file, ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
@@ -23,7 +22,7 @@ WORLD = "world"
 """The frame of the world axes."""
 
 
-class Recorder(MessageFile):
+class Recorder(message_file.MessageFile):
     """Records what happens to an MCAP file that survives a kill: see `MessageFile` for its arguments.
 
     Example:
@@ -46,7 +45,7 @@ class Recorder(MessageFile):
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        self.add(topic, kind, unit, moment(time), ros2.encode(kind, content))
+        self.add(topic, kind, unit, message_file.moment(time), ros2.encode(kind, content))
 
     def joint_state(
         self,
@@ -167,7 +166,7 @@ class Recorder(MessageFile):
         """
         if len(data) > 8:
             raise BadArgument("data", f"must have at most 8 bytes, got {len(data)}")
-        now = moment(time)
+        now = message_file.moment(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
@@ -204,7 +203,7 @@ class Recorder(MessageFile):
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
         content = {
-            "stamp": ros2.stamp(nanoseconds(time)),
+            "stamp": ros2.stamp(message_file.nanoseconds(time)),
             "level": LEVELS[level],
             "name": name,
             "msg": text,
@@ -217,7 +216,7 @@ class Recorder(MessageFile):
 
 
 def _header(time: float, frame: str) -> dict[str, Any]:
-    return {"stamp": ros2.stamp(nanoseconds(time)), "frame_id": frame}
+    return {"stamp": ros2.stamp(message_file.nanoseconds(time)), "frame_id": frame}
 
 
 def _xyz(values: Sequence[float]) -> dict[str, float]:

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
+from laticauda import files, trial
 from laticauda.errors import TrialFileError
 from laticauda.extras import optional_import
-from laticauda.files import read_bytes
-from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import AXES, assembled, variable
 
@@ -29,7 +28,7 @@ Column = tuple[str, str, Samples]
 KEY = b"laticauda_trial"
 
 
-class CsvFile(Format):
+class CsvFile(trial.Format):
     """Columns are called as `joint_angle_0 [rad]`; 0 is the tail."""
 
     called: ClassVar[str] = "csv"
@@ -42,7 +41,7 @@ class CsvFile(Format):
         path.write_bytes(csv_text(list(flat_columns(dataset))).encode())
 
 
-class ParquetFile(Format):
+class ParquetFile(trial.Format):
     """Pandas, Polars and DuckDB read its columns, `load_trial` all of it."""
 
     called: ClassVar[str] = "parquet"
@@ -96,7 +95,7 @@ def _numbers(table: Any) -> dict[str, Samples]:
 
 def _table(path: Path) -> Any:
     pyarrow = _library()
-    content = read_bytes(path)
+    content = files.read_bytes(path)
     try:
         return pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     except (pyarrow.ArrowException, OSError) as error:

@@ -22,9 +22,8 @@ the table ``[common]`` with what all trials share, and a list ``[[trials]]`` of 
 from pathlib import Path
 from typing import cast
 
-from laticauda.codec import Table, decode, keys_of, merged, table_of, take_kind
+from laticauda import codec, files
 from laticauda.errors import BadArgument, LaticaudaError
-from laticauda.files import parse_toml, read_text
 from laticauda.operate.settings import Operation
 from laticauda.quantities import option, quantity, value
 
@@ -65,7 +64,7 @@ def load_operation(path: str | Path) -> Operation | SeriesFile:
         OperationFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the
             rule and the value.
     """
-    return parse_operation(read_text(path, OperationFileError), str(path))
+    return parse_operation(files.read_text(path, OperationFileError), str(path))
 
 
 def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
@@ -78,17 +77,17 @@ def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
     Raises:
         OperationFileError: As `load_operation`.
     """
-    table = parse_toml(text, shown, OperationFileError)
-    with keys_of(shown, OperationFileError):
-        if take_kind(table, "trial", "series") == "trial":
-            return decode(Operation, table)
-        return decode(SeriesFile, _with_common(table))
+    table = files.parse_toml(text, shown, OperationFileError)
+    with codec.keys_of(shown, OperationFileError):
+        if codec.take_kind(table, "trial", "series") == "trial":
+            return codec.decode(Operation, table)
+        return codec.decode(SeriesFile, _with_common(table))
 
 
-def _with_common(table: Table) -> Table:
+def _with_common(table: codec.Table) -> codec.Table:
     """A series with what all trials share put into every one of them."""
-    common, trials = table_of(table.pop("common", {}), "common"), table.get("trials")
+    common, trials = codec.table_of(table.pop("common", {}), "common"), table.get("trials")
     if isinstance(trials, list):
-        entries = [table_of(entry, f"trials[{i}]") for i, entry in enumerate(cast("list[object]", trials))]
-        table["trials"] = [merged(common, entry) for entry in entries]
+        entries = [codec.table_of(entry, f"trials[{i}]") for i, entry in enumerate(cast("list[object]", trials))]
+        table["trials"] = [codec.merged(common, entry) for entry in entries]
     return table

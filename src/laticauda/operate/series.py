@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda.files import write
+from laticauda import files, robot
 from laticauda.operate.files import SeriesFile
 from laticauda.operate.session import Result
 from laticauda.operate.settings import Operation
-from laticauda.robot import load_robot
 
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
@@ -67,9 +66,8 @@ class Series:
     @property
     def is_complete(self) -> bool:
         """Whether every setting has its repeats."""
-        return len(self.settings) == len(self.file.trials) and all(
-            len(setting.accepted) >= self.file.repeats for setting in self.settings
-        )
+        repeats = [len(setting.accepted) for setting in self.settings]
+        return len(repeats) == len(self.file.trials) and all(n >= self.file.repeats for n in repeats)
 
     def summary(self) -> dict[str, Any]:
         """Everything by name, ready for JSON."""
@@ -180,7 +178,7 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
         gait = setting.operation.gait
         if gait.kind not in KINDS:
             continue
-        config = "fin" if load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
+        config = "fin" if robot.load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
         angles = [round(math.degrees(value), 9) for value in (gait.amplitude, gait.frequency, gait.phase_shift)]
         for result in setting.accepted:
             summary = result.summary()
@@ -190,7 +188,7 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
     text = io.StringIO(newline="")
     csv.writer(text).writerows([COLUMNS, *rows])
     folder.mkdir(parents=True, exist_ok=True)
-    write(folder / "repeats.csv", text.getvalue())
+    files.write(folder / "repeats.csv", text.getvalue())
 
 
 def _shown(figure: tuple[float, float | None] | None, digits: int) -> str:

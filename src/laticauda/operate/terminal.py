@@ -18,8 +18,7 @@ from typing import Any, Self, TextIO
 from laticauda.extras import optional_import
 from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety.limits import Modules
-from laticauda.operate.safety.transitions import PHASES
+from laticauda.operate.safety import limits, transitions
 from laticauda.operate.settings import Operation
 from laticauda.protocol import NodeState
 from laticauda.protocol.worker import Worker
@@ -203,7 +202,7 @@ def _head(operation: Operation, state: OperatorState) -> Any:
     """State, phase and time on one line."""
     supervisor = state.supervisor
     phase = state.phase.replace("_", " ")
-    steps = f"{PHASES.index(state.phase) + 1}/{len(PHASES)}"
+    steps = f"{transitions.PHASES.index(state.phase) + 1}/{len(transitions.PHASES)}"
     color = COLORS[supervisor.state]
     text = _rich("text").Text.from_markup(f"[bold {color}]{supervisor.state.upper():<9}[/] {phase} ({steps})")
     if state.begun is not None and state.now is not None:
@@ -216,7 +215,7 @@ def _head(operation: Operation, state: OperatorState) -> Any:
     return text
 
 
-def _modules(modules: Modules) -> Any:
+def _modules(modules: limits.Modules) -> Any:
     """A row per module."""
     table = _rich("table").Table(box=None, pad_edge=False, header_style="bold")
     for name, width in (("node", 4), ("state", 11), ("angle", 9), ("current", 8), ("temp.", 7), ("supply", 7)):

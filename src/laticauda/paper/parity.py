@@ -56,13 +56,13 @@ def parity_cases() -> tuple[ParityCase, ...]:
     """Lateral undulation, eel-like motion, a turn, the fin, a current."""
     body, fin = lc.load_robot("mamba"), lc.load_robot("mamba-fin")
     water, eel_water = lc.load_water("paper-lateral"), lc.load_water("paper-eel")
-    lateral = lc.lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
-    eel = lc.eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
+    lateral = lc.lateral_undulation(amplitude_deg=30.0, frequency_deg_s=130.0, phase_shift_deg=40.0)
+    eel = lc.eel_like(amplitude_deg=48.0, frequency_deg_s=110.0, phase_shift_deg=40.0)
     usual = ParityCase(name="lateral", robot=body, motion=lateral, environment=water)
     return (
         usual,
         replace(usual, name="eel-like", motion=eel, environment=eel_water),
-        replace(usual, name="turning", motion=replace(lateral, offset=_rad(5))),
+        replace(usual, name="turning", motion=replace(lateral, offset=math.radians(5))),
         replace(usual, name="fin", robot=fin),
         replace(usual, name="current", environment=replace(water, current=(0.05, -0.08))),
     )
@@ -166,7 +166,3 @@ def _apart(path: Float[np.ndarray, "n 2"], other: Float[np.ndarray, "n 2"]) -> t
     c, s = math.cos(rotation), math.sin(rotation)
     turned = a @ np.array([[c, s], [-s, c]])
     return float(np.max(np.linalg.norm(turned - b, axis=1))), rotation
-
-
-def _rad(degrees: float) -> float:
-    return math.radians(degrees)

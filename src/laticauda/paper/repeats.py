@@ -8,15 +8,14 @@ from pathlib import Path
 
 from laticauda.gaits import Gait
 from laticauda.operate.series import mean_and_deviation
-from laticauda.trial.null_models import Row
-from laticauda.trial.speeds import load_speeds
+from laticauda.trial import null_models, speeds
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
 """Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Repeat(Row):
+class Repeat(null_models.Row):
     """All trials of one setting."""
 
     forward_velocity: tuple[float, ...]
@@ -49,7 +48,7 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
         TrialFileError: As `load_speeds`.
     """
     trials: dict[tuple[Gait, bool], list[tuple[float, float | None]]] = {}
-    for one in load_speeds(path):
+    for one in speeds.load_speeds(path):
         if one.v_m_s is not None:
             trials.setdefault((one.motion, one.config == "fin"), []).append((one.v_m_s, one.P_avg_W))
     return tuple(

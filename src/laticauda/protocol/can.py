@@ -12,16 +12,15 @@ from typing import Any
 
 from laticauda.errors import BadArgument, finite
 from laticauda.extras import optional_import
-from laticauda.protocol.dbc import LAYOUTS, Layout, Number
-from laticauda.protocol.messages import CanMessage, JointState
+from laticauda.protocol import dbc, messages
 
 NOT_AVAILABLE = -32768
 """The lowest number of a signed word: what a sensor says that has nothing to say."""
 
 
-LAYOUT_OF: dict[type[Any], Layout] = {layout.kind: layout for layout in LAYOUTS}
-_BY_IDENTIFIER = {layout.identifier + number: (layout, number) for layout in LAYOUTS for number in layout.numbers}
-_FIRST_ANSWER = LAYOUT_OF[JointState].identifier
+LAYOUT_OF: dict[type[Any], dbc.Layout] = {layout.kind: layout for layout in dbc.LAYOUTS}
+_BY_IDENTIFIER = {layout.identifier + number: (layout, number) for layout in dbc.LAYOUTS for number in layout.numbers}
+_FIRST_ANSWER = LAYOUT_OF[messages.JointState].identifier
 
 
 def python_can() -> Any:
@@ -33,7 +32,7 @@ def python_can() -> Any:
     return optional_import("The CAN bus", "python-can", "hardware", "can")
 
 
-def encode(message: CanMessage) -> tuple[int, bytes]:
+def encode(message: messages.CanMessage) -> tuple[int, bytes]:
     """The identifier and data of the frame that carries a message. Numbers beyond a signal's range saturate.
 
     Args:
@@ -60,7 +59,7 @@ def encode(message: CanMessage) -> tuple[int, bytes]:
     return layout.identifier + number, whole.to_bytes(layout.length, "little")
 
 
-def decode(identifier: int, data: bytes) -> CanMessage | None:
+def decode(identifier: int, data: bytes) -> messages.CanMessage | None:
     """The message that a frame carries, or None if it is none of ours: unknown, too short, too long, or no sense in it.
 
     Args:
@@ -81,7 +80,7 @@ def decode(identifier: int, data: bytes) -> CanMessage | None:
     return layout.kind(**known)
 
 
-def _value(one: Number, whole: int) -> Any:
+def _value(one: dbc.Number, whole: int) -> Any:
     """What a frame's bits say of one number; None where a sensor has nothing to say."""
     _, kind, how, scale, start, low, _, is_word = one
     raw = whole >> start & (1 << how.bits) - 1
@@ -97,13 +96,13 @@ def from_node(identifier: int) -> bool:
     return identifier >= _FIRST_ANSWER
 
 
-def to_frame(message: CanMessage) -> Any:
+def to_frame(message: messages.CanMessage) -> Any:
     """The `can.Message` that carries a `message`."""
     identifier, data = encode(message)
     return python_can().Message(arbitration_id=identifier, data=data, is_extended_id=False)
 
 
-def from_frame(frame: Any) -> CanMessage | None:
+def from_frame(frame: Any) -> messages.CanMessage | None:
     """The message in `frame`, a `can.Message`, or None if it is none of ours; error and remote frames are not."""
     if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None

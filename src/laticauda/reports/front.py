@@ -244,9 +244,7 @@ def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: st
         height = float(high[1] - low[1]) + THICK * longest
         path.draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
         lines = text.count("\n") + 1
-        ax.text(
-            -0.66 * longest, top - 0.5 * height, next(letters), color=color, fontweight="bold", **_TEXT, va="center"
-        )
+        ax.text(-0.66 * longest, top - height / 2, next(letters), color=color, fontweight="bold", **_TEXT, va="center")
         ax.text(-0.56 * longest, top - height, text, color=style.INK, **_TEXT, va="top", linespacing=1.05)
         top -= height + (TEXT * lines + GAP) * longest
     ax.set_xlim(-0.68 * longest, 0.6 * longest)

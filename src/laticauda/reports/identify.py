@@ -288,10 +288,8 @@ def _starts(done: Validation) -> list[Row]:
 def _correlations(done: Validation) -> list[Row]:
     """The matrix."""
     names = done.found.problem.names
-    return [
-        {"parameter": name} | dict(zip(names, row, strict=True))
-        for name, row in zip(names, done.found.correlations.tolist(), strict=True)
-    ]
+    rows = zip(names, done.found.correlations.tolist(), strict=True)
+    return [{"parameter": name} | dict(zip(names, row, strict=True)) for name, row in rows]
 
 
 def finite(value: float) -> float | None:

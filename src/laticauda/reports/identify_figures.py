@@ -91,11 +91,9 @@ def _by_what(found: "Fit") -> dict[str, dict[str, np.ndarray]]:
 def _residuals(found: "Fit") -> "Figure":
     rows = sorted(found.residuals, key=lambda one: found.problem.groups.index(one.group))[:_MOST_BARS]
     whats = {one.what for one in rows}
-    short = [one.measurement.removeprefix(f"{one.group}, ") for one in rows]
-    names = [
-        name if len(whats) == 1 else f"{name}: {one.what.replace('_', ' ')}"
-        for name, one in zip(short, rows, strict=True)
-    ]
+    names = [one.measurement.removeprefix(f"{one.group}, ") for one in rows]
+    if len(whats) > 1:
+        names = [f"{name}: {one.what.replace('_', ' ')}" for name, one in zip(names, rows, strict=True)]
     figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups)))
     ax = draw.residuals(
         names,

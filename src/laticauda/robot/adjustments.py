@@ -93,7 +93,5 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
     for key in sorted(REFUSED.keys() & values if name == "joint" else ()):
         raise BadKey(f"{path}.{key}", f"must not be given: {REFUSED[key]}")
     read = decode(SECTIONS[name], values, path)
-    return {
-        field: getattr(read, field)
-        for field in (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
-    }
+    fields = (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
+    return {field: getattr(read, field) for field in fields}

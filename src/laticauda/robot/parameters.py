@@ -25,10 +25,9 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda import codec
+from laticauda import codec, files
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
-from laticauda.files import write
 from laticauda.fluid.laws import DragLaw
 from laticauda.gaits.envelopes import kinds
 from laticauda.quantities import hints_of, option, value
@@ -141,7 +140,7 @@ class Parameters:
         Raises:
             StorageFailed: If it cannot be written.
         """
-        write(path, self.to_toml())
+        files.write(path, self.to_toml())
 
 
 def parameter_names() -> tuple[str, ...]:

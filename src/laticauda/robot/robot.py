@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, label, whole
 from laticauda.quantities import option, quantity, value
-from laticauda.robot.body import Joint, Module, Reduction, reduce_to_plane
-from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
+from laticauda.robot import body, effectors
 
 Numbers: TypeAlias = NDArray[np.float64]
-Effector = TypeVar("Effector", Thruster, PectoralFin)
+Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)
 Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
 End: TypeAlias = Literal["faired", "round", "blunt"]
 
@@ -29,12 +28,12 @@ class Robot:
 
     name: str = option("What messages and stored trials call it", check=label)
     description: str = option("One line about it", default="")
-    modules: tuple[Module, ...] = option("The rigid pieces, from tail to head")
-    joints: tuple[Joint, ...] = option("Joint i connects modules i and i + 1", default=())
-    caudal_fin: CaudalFin | None = option("The fin behind module 0, or None", default=None)
-    thrusters: tuple[Thruster, ...] = option("Thrusters, in any order", default=())
-    pectoral_fins: tuple[PectoralFin, ...] = option("Pectoral fins, in any order", default=())
-    tether: Tether = option("The cable at the tail end", default_factory=Tether)
+    modules: tuple[body.Module, ...] = option("The rigid pieces, from tail to head")
+    joints: tuple[body.Joint, ...] = option("Joint i connects modules i and i + 1", default=())
+    caudal_fin: effectors.CaudalFin | None = option("The fin behind module 0, or None", default=None)
+    thrusters: tuple[effectors.Thruster, ...] = option("Thrusters, in any order", default=())
+    pectoral_fins: tuple[effectors.PectoralFin, ...] = option("Pectoral fins, in any order", default=())
+    tether: effectors.Tether = option("The cable at the tail end", default_factory=effectors.Tether)
     surface: Surface = option("Of the body: smooth, with gaps at its joints, or in a loose skin", default="jointed")
     nose: End = option("Shape of the body's head end", default="round")
     tail: End = option("Shape of the body's tail end", default="round")
@@ -90,7 +89,7 @@ class Robot:
         return math.fsum(module.volume for module in self.modules) + fin
 
     @property
-    def driven_joints(self) -> tuple[Joint, ...]:
+    def driven_joints(self) -> tuple[body.Joint, ...]:
         """All joints with an actuator: those of the body, tail first, then that of a driven fin."""
         fin = self.caudal_fin.joint if self.caudal_fin else None
         return self.joints if fin is None else (*self.joints, fin)
@@ -118,7 +117,7 @@ class Robot:
         held = [joint for joint in self.joints if joint.axis == "pitch"]
         if not held:
             return self
-        reduction = reduce_to_plane(self.modules, self.joints)
+        reduction = body.reduce_to_plane(self.modules, self.joints)
         return replace(
             self,
             modules=reduction.modules,
@@ -175,7 +174,7 @@ def has_power_model(robot: Robot, joints: JointLaw) -> bool:
     return joints.powered or robot.active_power is not None
 
 
-def _moved(effector: Effector, reduction: Reduction) -> Effector:
+def _moved(effector: Effector, reduction: body.Reduction) -> Effector:
     """The same effector on the link that its module became part of."""
     old = effector.link
     return replace(effector, link=reduction.link[old], x=effector.x + reduction.shift[old])

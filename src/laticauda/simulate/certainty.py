@@ -5,9 +5,8 @@ from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any
 
+from laticauda import robot, scenarios
 from laticauda.errors import BadArgument, one_of
-from laticauda.robot import SEEN, Water, textbook_water
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed
 from laticauda.simulate.runner import swim
 from laticauda.trial import Trial
@@ -16,7 +15,7 @@ Interval = tuple[float, float]
 Figures = Callable[[Trial], Mapping[str, float]]
 
 
-def intervals_of(scenario: Scenario) -> Mapping[str, Interval]:
+def intervals_of(scenario: scenarios.Scenario) -> Mapping[str, Interval]:
     """The intervals of those numbers of a scenario's water that are the textbook's for its robot, by name.
 
     Args:
@@ -25,9 +24,9 @@ def intervals_of(scenario: Scenario) -> Mapping[str, Interval]:
     Raises:
         ValueError: If no number is the textbook's.
     """
-    book, water = textbook_water(scenario.robot), scenario.environment
+    book, water = robot.textbook_water(scenario.robot), scenario.environment
     found: dict[str, Interval] = {}
-    if isinstance(water, Water) and type(water.drag) is type(book.water.drag):
+    if isinstance(water, robot.Water) and type(water.drag) is type(book.water.drag):
         for name, interval in book.intervals.items():
             number = attrgetter(name.removeprefix("water."))
             if number(water) == number(book.water):
@@ -59,7 +58,7 @@ def spread(
         SimulationFailed: If a run blows up.
     """
     scenario: Any = trial.scenario
-    if not isinstance(scenario, Scenario):
+    if not isinstance(scenario, scenarios.Scenario):
         raise BadArgument("trial", "must be a simulated run, which can be run again at other coefficients")
     ends, of = intervals_of(scenario) if intervals is None else intervals, figures or _figures
     runs = [[of(swim(changed(scenario, {name: end}), throw=True)) for end in pair] for name, pair in ends.items()]
@@ -79,7 +78,7 @@ def stated(interval: Interval, kind: str) -> Interval:
         interval: Of a figure.
         kind: Of motion: swimming, gliding, turning or starting; see `laticauda.robot.SEEN`.
     """
-    less, more = SEEN[one_of("kind", kind, tuple(SEEN))]
+    less, more = robot.SEEN[one_of("kind", kind, tuple(robot.SEEN))]
     return interval[0] / (1.0 + more), interval[1] / (1.0 + less)
 
 

@@ -334,9 +334,8 @@ def _steady_velocity(runs: Sequence[Run], block: Block) -> np.ndarray:
     start = np.where(possible, start, time[0])
     i = np.clip(np.searchsorted(time, start, side="right") - 1, 0, time.size - 2)
     if runs[0].slope is not None:
-        start = start + 1j * STEP * np.array(
-            [_start_slope(run, time[-1] - at) for run, at in zip(runs, start, strict=True)]
-        )
+        slopes = [_start_slope(run, time[-1] - at) for run, at in zip(runs, start, strict=True)]
+        start = start + 1j * STEP * np.array(slopes)
     step = time[i + 1] - time[i]
     k = np.arange(len(runs))
     p, v = block.center_of_mass, block.center_of_mass_velocity

@@ -246,9 +246,8 @@ def _cut(duration: float, interval: float, n_reached: int) -> float:
     """The duration of a run that ends after as many control instants of one that was to be longer [s]."""
     length = duration / max(1, math.ceil(duration / interval - 1e-9))
     cut = length * n_reached
-    return next(
-        (d for d in (cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)) if d / n_reached == length), cut
-    )
+    around = cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)
+    return next((duration for duration in around if duration / n_reached == length), cut)
 
 
 def stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:

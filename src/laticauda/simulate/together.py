@@ -9,12 +9,11 @@ from laticauda.interfaces import Command, Start
 from laticauda.packaging import __version__
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.series import Log, concatenated
-from laticauda.simulate.plants import plant
-from laticauda.simulate.runner import Progress, check_size, held, stretches
+from laticauda.simulate import plants, runner
 from laticauda.trial import Trial
 
 
-def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = None) -> list[Trial]:
+def swim_together(scenarios: Sequence[Scenario], *, progress: runner.Progress | None = None) -> list[Trial]:
     """Run several robots in one scene.
 
     They have one environment, one scene (`open` is one with nothing else in it), one duration and sample interval;
@@ -48,7 +47,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = 
         if cast(Spatial, one.model).scene is None or one.model.loop_delay:
             raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, as `open`, and no `loop_delay`")
         one.controller.check(one.robot)
-    pairs = [(one, cast(Any, plant(one))) for one in scenarios]
+    pairs = [(one, cast(Any, plants.plant(one))) for one in scenarios]
     for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
         if len({repr(getattr(one, name, getattr(body.settings, name, 0))) for one, body in pairs}) != 1:
             raise BadArgument(name, "must be the same for all robots in one scene")
@@ -56,7 +55,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = 
     if len(paces) > 1:
         raise BadArgument("interval", "must be the same for all controllers in one scene")
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
-    check_size(duration, sample_interval)
+    runner.check_size(duration, sample_interval)
     controllers = [one.controller for one in scenarios]
     together = Together([body for _, body in pairs])
     commands = [Command(gait=controller.gait) for controller in controllers]
@@ -65,7 +64,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = 
     logs: list[list[Log]] = []
     signals: list[list[Mapping[str, float]]] = []
     failure: str | None = None
-    for share, count, done in stretches(duration, sample_interval, min([math.inf, *paces])):
+    for share, count, done in runner.stretches(duration, sample_interval, min([math.inf, *paces])):
         for k, controller in enumerate(controllers):
             if not logs or math.isfinite(controller.interval):
                 minds[k], commands[k] = controller.step(minds[k], together.plants[k].observe(each[k]))
@@ -79,7 +78,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = 
     trials: list[Trial] = []
     for k, one in enumerate(scenarios):
         parts = [log[k] for log in logs]
-        log, said = concatenated(parts), held([each[k] for each in signals], [part.time.size for part in parts])
+        log, said = concatenated(parts), runner.held([each[k] for each in signals], [part.time.size for part in parts])
         series: dict[str, Any] = {**vars(log), "signals": {**said, **log.signals}}
         status = failure or "The run reached its end."
         trials.append(Trial(**series, scenario=one, version=__version__, status=status, succeeded=failure is None))

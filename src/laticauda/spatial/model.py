@@ -18,10 +18,9 @@ from laticauda.kinematics import to_quaternion, turn
 from laticauda.mujoco_water import Element, ground
 from laticauda.robot import Ground, Scene, Water
 from laticauda.scenarios import Spatial
-from laticauda.spatial import rows
+from laticauda.spatial import rows, water_robot
 from laticauda.spatial.scene import check_free
 from laticauda.spatial.twin import Twin, land_of
-from laticauda.spatial.water_robot import mounted_elements
 
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
 Given = tuple[np.ndarray, np.ndarray, list[Element]]
@@ -170,7 +169,7 @@ class SpatialPlant(Plant[Spatial]):
         self._check(command)
         given, joints, effectors = self._let_go()
         if (robot := command.effectors(self.robot)) is not self.robot:
-            effectors = mounted_elements(robot, self.environment)
+            effectors = water_robot.mounted_elements(robot, self.environment)
         given[rows.IS_LED] = 1.0
         given[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
         yaw, pitch, fin = self._targets(command)
@@ -195,7 +194,7 @@ class SpatialPlant(Plant[Spatial]):
         given[rows.BANDWIDTH], given[rows.RAMP] = self.settings.offset_bandwidth, self.ramp
         numbers = self.joints.numbers
         given[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
-        return given, self._twin.joints.copy(), mounted_elements(self.robot, self.environment)
+        return given, self._twin.joints.copy(), water_robot.mounted_elements(self.robot, self.environment)
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+import laticauda as lc
 from laticauda.files import write
-from laticauda.gaits import Gait
 from laticauda.logs.tabular import csv_text
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
 from laticauda.studies.optimization import Optimization
 from laticauda.studies.trials import FIGURES, QUANTITIES, Column, Table, attributes_of, scenarios_at
@@ -49,7 +48,7 @@ class Front:
         """Number of points."""
         return len(self.values)
 
-    def scenario(self, point: int) -> Scenario:
+    def scenario(self, point: int) -> lc.Scenario:
         """The scenario of a point.
 
         Args:
@@ -58,7 +57,7 @@ class Front:
         sought = self.optimization
         return scenarios_at(sought.scenario, sought.names, self.values[[point]])[0]
 
-    def gait(self, point: int) -> Gait:
+    def gait(self, point: int) -> lc.Gait:
         """The gait of a point.
 
         Args:
@@ -83,9 +82,8 @@ class Front:
         """
         if len(self) <= count:
             return list(range(len(self)))
-        scaled = np.stack(
-            [self.figures[name] / np.ptp(self.figures[name]) for name in self.optimization.objectives], axis=1
-        )
+        columns = [self.figures[name] for name in self.optimization.objectives]
+        scaled = np.stack([column / np.ptp(column) for column in columns], axis=1)
         way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1))))
         wanted = np.linspace(0.0, float(way[-1]), count)
         return sorted({int(np.argmin(np.abs(way - at))) for at in wanted})

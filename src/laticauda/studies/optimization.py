@@ -11,8 +11,7 @@ from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
-from laticauda.studies import trials
-from laticauda.studies.sampling import checked_ranges
+from laticauda.studies import sampling, trials
 from laticauda.studies.trials import QUANTITIES, Column, Table
 from laticauda.trial.feasibility import ROUNDING
 
@@ -56,11 +55,9 @@ class Optimization:
 
     scenario: Scenario = option("What all trials share; by the planar model")
     bounds: Mapping[str, tuple[float, float]] = option(
-        "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=checked_ranges
+        "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
     )
-    objectives: Sequence[str] = option(
-        "One of `OBJECTIVES`, or two for a front", default=SPEED_POWER, check=_objectives
-    )
+    objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
     joint_rate_limit: float | None = quantity(
         "rad/s",
         "Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none",

@@ -138,9 +138,7 @@ class Search:
             return np.empty((0, self._problem.n_var))
         return np.array(self._generation.get("X"), dtype=float)
 
-    def tell(
-        self, losses: Float[np.ndarray, "n_points n_objectives"], violation: Float[np.ndarray, " n_points"]
-    ) -> None:
+    def tell(self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]) -> None:
         """What the points of the last generation came to.
 
         Args:

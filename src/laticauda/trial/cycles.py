@@ -169,12 +169,11 @@ def cycle_middles(time: Time, period: float) -> Middles:
     # A log of exactly one cycle has one middle, whatever the last digit of its times.
     slack = _ROUNDING * period
     middle = time[(time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)]
-    if not middle.size and time[-1] - time[0] >= period - slack:
+    span = float(time[-1] - time[0])
+    if not middle.size and span >= period - slack:
         middle = np.array([0.5 * (time[0] + time[-1])])
     if not middle.size:
-        raise BadArgument(
-            "time", f"must span at least one gait cycle of {period:.4g} s, got {float(time[-1] - time[0]):.6g} s"
-        )
+        raise BadArgument("time", f"must span at least one gait cycle of {period:.4g} s, got {span:.6g} s")
     return middle
 
 

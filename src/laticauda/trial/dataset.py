@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.codec import keys_of
-from laticauda.scenarios import run_from_toml, run_to_toml
+from laticauda import codec, scenarios
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import Contents
@@ -143,8 +142,8 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         return dataset.variables[name].values
 
     forces: list[str] | None = json.loads(attributes["link_force"])
-    with keys_of("scenario", ValueError):
-        scenario = run_from_toml(attributes["scenario"])
+    with codec.keys_of("scenario", ValueError):
+        scenario = scenarios.run_from_toml(attributes["scenario"])
     return {
         **{name: read(name) for name in PLAIN},
         "work": np.stack([read(name) for name in WORK], axis=1),
@@ -196,7 +195,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
         "source": f"laticauda {trial.version}",
         **{name: getattr(trial, name) for name in TEXTS},
         "succeeded": int(trial.succeeded),
-        "scenario": run_to_toml(trial.scenario),
+        "scenario": scenarios.run_to_toml(trial.scenario),
         "has_electrical_work": int(trial.electrical_work is not None),
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
         "signals": json.dumps(list(trial.signals)),

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from laticauda import files, kinematics
 from laticauda.errors import BadArgument, TrialFileError
-from laticauda.files import read_columns
-from laticauda.kinematics import Posture
 from laticauda.trial.trial import Trial
 
 Places = Float[np.ndarray, "n_samples n_markers 2"]
@@ -34,7 +33,7 @@ class Track:
         Raises:
             TrialFileError: If it cannot be read, or anything in it is wrong.
         """
-        columns = read_columns(path, TrialFileError)
+        columns = files.read_columns(path, TrialFileError)
         names = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m")]
         wanted = ["time_s", *(f"{name}_{axis}_m" for name in names for axis in "xy")]
         try:
@@ -52,7 +51,7 @@ def marker_places(trial: Trial, along: Sequence[float]) -> Places:
         along: Of each marker: its distance from the tail end along the straight body [m].
     """
     robot = trial.chain
-    ends = Posture(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle).link_ends
+    ends = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle).link_ends
     begin = np.cumsum([0.0, *(module.length for module in robot.modules)])
     link = np.clip(np.searchsorted(begin, along, side="right") - 1, 0, robot.n_links - 1)
     angle = trial.link_angle[:, link]

@@ -7,8 +7,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from laticauda.extensions import Extensible
-from laticauda.gaits import Gait
+from laticauda import extensions, gaits
 from laticauda.robot import Environment, Robot
 from laticauda.trial.trial import Trial
 
@@ -17,7 +16,7 @@ from laticauda.trial.trial import Trial
 class MeasuredTrial:
     """One setting that was measured, without steering."""
 
-    gait: Gait
+    gait: gaits.Gait
     """What the joints were asked for."""
     robot: str
     """The robot's name (`laticauda.load_robot`)."""
@@ -37,7 +36,7 @@ class MeasuredTrial:
     """What swam where, and what one has to know of the numbers, in a sentence without its full stop."""
 
 
-class MeasuredTrials(Extensible, group="measured_trials"):
+class MeasuredTrials(extensions.Extensible, group="measured_trials"):
     """Base of published measurements."""
 
     @abstractmethod
@@ -45,7 +44,7 @@ class MeasuredTrials(Extensible, group="measured_trials"):
         """All of them; settings that were published without a number too."""
 
     @abstractmethod
-    def counterpart(self, robot: Robot, gait: Gait, environment: Environment) -> MeasuredTrial | None:
+    def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
         """What was measured in this very setting, or None.
 
         Args:
@@ -60,7 +59,7 @@ def all_measured() -> list[MeasuredTrials]:
     return [MeasuredTrials.named(name)() for name in MeasuredTrials.names()]
 
 
-def measured_setting(robot: Robot, gait: Gait | None, environment: Environment) -> MeasuredTrial | None:
+def measured_setting(robot: Robot, gait: gaits.Gait | None, environment: Environment) -> MeasuredTrial | None:
     """What was measured in a setting, or None.
 
     Args:

@@ -169,9 +169,7 @@ def predict(
         raise BadArgument("rows", f"must hold every group of `others`, got none of {', '.join(unknown)}")
     if name == MEAN_STRIDE:
         stride = measured / np.array([row.gait.frequency for row in rows])
-        means = {
-            group: np.mean([s for s, row in zip(stride, rows, strict=True) if row.group == group]) for group in groups
-        }
+        means = {group: np.mean(stride[[row.group == group for row in rows]]) for group in groups}
         return np.array([means[row.group] * row.gait.frequency for row in others]), len(groups)
     columns, known = NULL_MODELS[name](rows, groups)
     numbers = fit(columns, np.log(measured) - known)

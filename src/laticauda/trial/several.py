@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.angles import wrap_to_pi
+from laticauda import angles, gaits
 from laticauda.errors import BadArgument, instance
-from laticauda.gaits import Gait
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.series import concatenated
 from laticauda.trial.trial import FIGURES, Figure, Trial
@@ -70,7 +69,7 @@ def _compared(figure: Figure, values: tuple[float | None, ...]) -> ComparedFigur
     differences = tuple(None if value is None or first is None else value - first for value in values)
     shares = tuple(None if is_angle else _percent(difference, first) for difference in differences)
     if is_angle:
-        differences = tuple(None if one is None else wrap_to_pi(one) for one in differences)
+        differences = tuple(None if one is None else angles.wrap_to_pi(one) for one in differences)
     return ComparedFigure(figure=figure, values=values, differences=differences, differences_percent=shares)
 
 
@@ -118,7 +117,7 @@ def joined(first: Trial, second: Trial) -> Trial:
 
 def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Scenario | Experiment:
     """That of the run that was never cut; a controller began anew at the cut, and no scenario says so."""
-    if isinstance(first, Scenario) and isinstance(second, Scenario) and isinstance(first.motion, Gait):
+    if isinstance(first, Scenario) and isinstance(second, Scenario) and isinstance(first.motion, gaits.Gait):
         return replace(first, duration=first.duration + second.duration)
     return Experiment(robot=first.robot, gait=first.gait, environment=first.environment, model=first.model)
 

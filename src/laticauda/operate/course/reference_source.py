@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.gaits import Generator
+from laticauda import gaits, interfaces
 from laticauda.gaits.generator import GeneratorState
 from laticauda.gaits.reference import smooth_start
-from laticauda.interfaces import Command, Controller, Observation
 from laticauda.operate.safety.limits import Numbers as References
 from laticauda.robot import Robot
 
@@ -28,7 +27,7 @@ class ReferenceState:
     """When it began [s]."""
     controller_state: Any = None
     """Of the controller; None before the run."""
-    command: Command | None = None
+    command: interfaces.Command | None = None
     """Its last command; None before the run."""
     n_decisions: int = 0
     """How often the controller has decided [-]."""
@@ -46,7 +45,7 @@ class ReferenceSource:
 
     robot: Robot
     """Whose joints they are."""
-    controller: Controller[Any]
+    controller: interfaces.Controller[Any]
     """What decides, as in simulation."""
     ramp: float
     """Of the smooth start [s]."""
@@ -54,10 +53,10 @@ class ReferenceSource:
     """Of the generator [rad/s]."""
 
     @cached_property
-    def generator(self) -> Generator:
+    def generator(self) -> gaits.Generator:
         """The one reference generator."""
         axes = tuple(joint.axis for joint in self.robot.joints)
-        return Generator(n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp)
+        return gaits.Generator(n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp)
 
     def init(self) -> ReferenceState:
         """Straight."""
@@ -92,13 +91,13 @@ class ReferenceSource:
         return replace(
             state,
             controller_state=self.controller.init(),
-            command=Command(gait=gait),
+            command=interfaces.Command(gait=gait),
             due=now,
             generator=self.generator.init(gait),
             time=now,
         )
 
-    def decide(self, state: ReferenceState, now: float, observation: Observation) -> ReferenceState:
+    def decide(self, state: ReferenceState, now: float, observation: interfaces.Observation) -> ReferenceState:
         """Let the controller decide, if it is due.
 
         Args:

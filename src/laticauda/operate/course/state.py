@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from laticauda import interfaces, protocol
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
-from laticauda.interfaces import Command
 from laticauda.kinematics import turned_about_vertical
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Event, Measurement, PowerReading
@@ -15,7 +15,6 @@ from laticauda.operate.safety.limits import LimitState, Modules, updated
 from laticauda.operate.safety.supervisor import SupervisorState
 from laticauda.operate.safety.transitions import PHASES
 from laticauda.operate.settings import CaptureVolume, Operation
-from laticauda.protocol import CanMessage
 
 CLOCK_WINDOW = 5.0  # in which the smallest latency of the cameras is looked for [s]
 Places = tuple[tuple[float, float, float, float], ...]
@@ -81,7 +80,7 @@ class MeanCurrent:
 class Inputs:
     """What came in since the last tick."""
 
-    messages: tuple[tuple[float, CanMessage], ...] = ()
+    messages: tuple[tuple[float, protocol.CanMessage], ...] = ()
     """From the bus, with the time of their arrival [s]."""
     frames: tuple[tuple[float, PoseSample], ...] = ()
     """From the motion capture, with the time of their arrival [s]; their own time is that of the cameras' clock, and
@@ -96,13 +95,13 @@ class Inputs:
 class Outputs:
     """What goes out."""
 
-    messages: tuple[CanMessage, ...] = ()
+    messages: tuple[protocol.CanMessage, ...] = ()
     """To the bus, in this order."""
     samples: tuple[Measurement, ...] = ()
     """What the estimator took, in that order, on our clock and in the path frame; then the power meter's readings."""
     estimate: Estimate | None = None
     """Where the robot is; None before it is known."""
-    command: Command | None = None
+    command: interfaces.Command | None = None
     """What the controller decided at this tick; None where it was not due."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Its signals, by name."""

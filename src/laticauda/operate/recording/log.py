@@ -96,10 +96,8 @@ def read_operation(path: str | Path) -> OperationLog:
 def _entry(logged: logs.Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
-        said: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
-        return Event(
-            time=logged.time, kind=content["name"], message=said.get("message", ""), data=said.get("data") or {}
-        )
+        msg: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
+        return Event(time=logged.time, kind=content["name"], message=msg.get("message", ""), data=msg.get("data") or {})
     if logged.topic == COMMAND:
         decided = json.loads(content["data"])
         decided["command"] = codec.decode(interfaces.Command, decided["command"], "command")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.gaits import GAIT_WORDS
+from laticauda import gaits, scenarios
 from laticauda.paper.efficiency import Case, EfficiencyStudy, maxima
 from laticauda.paper.measured import path_following_trials, percent_change, printed_changes
 from laticauda.paper.parity import ParityStudy
@@ -17,7 +17,6 @@ from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.scores import FinGain, Score, fin_gains, scores
 from laticauda.paper.side_trials import ROBOT, SHALLOW, SideTrials
 from laticauda.robot import load_robot, load_water
-from laticauda.scenarios import loop_in_words
 from laticauda.trial import following as figures_of_path
 
 PAPERS = ("analytical-set", "vortex-set")
@@ -88,7 +87,7 @@ def fin_by_gait(study: EfficiencyStudy) -> dict[str, Numbers]:
         study: What `run_efficiency` returned.
     """
     gains = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
-    kinds = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in GAIT_WORDS}
+    kinds = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in gaits.GAIT_WORDS}
     return {
         kind: {
             "measured": [gain.measured.velocity for gain in here],
@@ -214,7 +213,7 @@ def side(study: SideTrials) -> Numbers:
     """
 
     def in_words(changes: Mapping[str, float]) -> dict[str, float]:
-        return {GAIT_WORDS[kind]: value for kind, value in changes.items()}
+        return {gaits.GAIT_WORDS[kind]: value for kind, value in changes.items()}
 
     settings, first = study.settings, study.settings.doubled[0]
     kept: dict[str, list[tuple[str, float, float]]] = {}
@@ -270,7 +269,7 @@ def following(study: PathFollowingStudy) -> Numbers:
     }
     return {
         "joints": study.how["joints"],
-        "loop": loop_in_words(study.how),
+        "loop": scenarios.loop_in_words(study.how),
         "coefficients": study.settings.coefficients.name,
         "all": _kept(study, study.cases),
         "fin": _kept(study, [case for case in study.cases if case.group.has_fin]),
@@ -335,7 +334,7 @@ def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float
         return fmean(math.inf if value is None else value for value in values)
 
     return [
-        (GAIT_WORDS[gait], unit, mean(gait, False, name), mean(gait, True, name))
+        (gaits.GAIT_WORDS[gait], unit, mean(gait, False, name), mean(gait, True, name))
         for gait in dict.fromkeys(group.gait for group in study.settings.groups)
         for name, unit in (("convergence_time", "s"), ("convergence_distance", "m"))
     ]

@@ -19,9 +19,8 @@ from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report import efficiency, experiments, path_following
+from laticauda.paper.report import efficiency, experiments, parity, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
-from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 
@@ -31,7 +30,7 @@ TITLE = "Underwater snake robots with and without a caudal fin: the paper's expe
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
     "path_following": ("Path following", path_following.path_following_chapter),
-    "parity": ("Planar against spatial model", parity_chapter),
+    "parity": ("Planar against spatial model", parity.parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
 
