@@ -20,6 +20,7 @@ from laticauda.cockpit.simulation import depth_of, path_of, route_of
 from laticauda.control import Following, StraightLine
 from laticauda.errors import TrialFileError
 from laticauda.gaits import Custom
+from laticauda.quantities import hints_of
 from laticauda.spatial.scene import Pipe
 
 pytest.importorskip("viser")
@@ -352,3 +353,31 @@ def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
     use(served, control(served, "path"), False)
     assert served.live.scenario.motion == GAIT and route_of(served.live.scenario, 0.0).size == 0
     served.close()
+
+
+def test_a_flow_is_chosen_with_the_numbers_that_it_declares_and_can_be_left(cockpit):
+    before = cockpit.live.scenario.environment
+
+    def field(name):
+        return control(cockpit, f"flow_{name}")
+
+    assert not use(cockpit, control(cockpit, "flow"), "street")
+    flow = cockpit.live.scenario.environment.current
+    numbers = {name for name, one in hints_of(type(flow)).items() if one in (float, int)}
+    assert numbers == {name.removeprefix("flow_") for name in cockpit._controls.by_name if name.startswith("flow_")}
+    assert not control(cockpit, "current_x").visible
+    use(cockpit, field("direction"), 30.0)
+    use(cockpit, field("pairs"), 3)
+    assert cockpit.live.scenario.environment.current == replace(flow, direction=math.radians(30.0), pairs=3)
+    assert field("direction").value == 30.0 and control(cockpit, "flow").value == "street"
+    [told] = use(cockpit, field("diameter"), -1.0)
+    assert "`diameter` must be > 0 m" in told and field("diameter").value == flow.diameter
+    cockpit.live.advance(0.1)
+    cockpit.frame()
+    tails, tips = np.moveaxis(cockpit._scene._water._handles[0].points, 1, 0)
+    middle = 0.5 * (tails + tips)[:, :2].astype(float)
+    velocity = cockpit.live.scenario.environment.velocity(middle, cockpit.live.simulation.time)
+    assert np.allclose((tips - tails)[:, :2], velocity * cockpit._scene._water._arrows.time, atol=1e-5)
+    assert not use(cockpit, control(cockpit, "flow"), "uniform")
+    assert cockpit.live.scenario.environment == before and control(cockpit, "current_x").visible
+    assert not any(name.startswith("flow_") for name in cockpit._controls.by_name)

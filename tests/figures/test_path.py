@@ -89,6 +89,6 @@ def test_a_fin_ends_at_the_trailing_edge(ax: Axes):
 def test_a_current_is_told_with_its_strength(ax: Axes):
     path_strip(run("current"), ax)
     assert "current 0.112 m/s" in [text.get_text() for text in ax.texts]
-    (arrow,) = ax.patches
-    (x0, y0), (x1, y1) = arrow._posA_posB
+    (arrow,) = [text for text in ax.texts if text.arrow_patch is not None]
+    (x0, y0), (x1, y1) = arrow.xyann, arrow.xy
     assert (y1 - y0) / (x1 - x0) == pytest.approx(0.1 / -0.05)

@@ -6,17 +6,20 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+
 from laticauda.actuation.laws import JointLaw
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
-from laticauda.cockpit.simulation import Changes, depth_of, path_of, with_fin
+from laticauda.cockpit.simulation import STILL, Changes, depth_of, path_of, with_fin
 from laticauda.control import StraightLine
 from laticauda.errors import positive, within
 from laticauda.extensions import name_of
+from laticauda.fluid.flow import Flow
 from laticauda.gaits import Gait, Wave, envelope_of, kinds
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import quantities_of, texts_of
-from laticauda.robot import CaudalFin, Robot, Water, load_robot, robot_names
+from laticauda.robot import CaudalFin, Robot, Water, current_names, load_current, load_robot, robot_names
 from laticauda.robot.environment import Current
 from laticauda.scenarios import MODELS, Scenario
 
@@ -33,6 +36,8 @@ DEEPEST = 10.0  # that can be asked for [m]
 CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")
+UNIFORM, OWN, IN_FLOW = "uniform", "as it came", "flow_"  # water that moves as one, and as it did when the page began
+FLOW = "How the water moves; what this computer has not swum in yet is compiled first, some 10 s"
 ASIDE = 0.6  # of the robot, where a path begins [m]
 
 
@@ -58,7 +63,8 @@ class Controls:
     """
 
     def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
-        self._live, self._changed = live, changed
+        self._gui, self._live, self._changed = gui, live, changed
+        self._listen = events.handler(self.apply, then=self.settle)
         self._own, self._envelope, self._rigidity = live.scenario.robot, live.scenario.gait.envelope, RIGIDITY
         self.by_name: dict[str, Control] = {}
         """Every control by what it sets."""
@@ -80,7 +86,7 @@ class Controls:
             self._add("depth", depth, lambda now: depth_of(now) or 0.0, self._at_depth)
             self._add_wave(gui, PITCH, PITCH_LIMITS)
         for control in self.by_name.values():
-            control.handle.on_update(events.handler(self.apply, then=self.settle))
+            control.handle.on_update(self._listen)
         self.speed.on_update(events.handler(self.set_speed, then=self.settle))
         pause.on_update(events.handler(lambda event: setattr(live, "paused", event.value)))
         self.show(live.scenario)
@@ -89,6 +95,9 @@ class Controls:
         """Let the controls show a scenario that came from elsewhere."""
         fin = scenario.robot.caudal_fin
         self._rigidity = (fin.flexural_rigidity if fin else None) or self._rigidity
+        flow = _water(scenario).flow
+        if type(flow) is not self._flow_kind:
+            self._add_numbers(flow)
         for control in self.by_name.values():
             control.handle.value = control.shown(scenario)
 
@@ -164,11 +173,56 @@ class Controls:
             handle = gui.add_number(f"current {name} [m/s]", 0.0, step=0.01, hint=hint)
 
             def changes(value: float, axis: int = axis) -> Changes:
-                both = [*_current(self._live.scenario)]
+                both = [*_water(self._live.scenario).uniform[:2]]
                 both[axis] = within("current", value, -CURRENT, CURRENT, "m/s")
                 return {"current": cast(Current, tuple(both))}
 
-            self._add(f"current_{name}", handle, lambda now, axis=axis: _current(now)[axis], changes)
+            self._add(f"current_{name}", handle, lambda now, axis=axis: _water(now).uniform[axis], changes)
+        presets, own = {name: load_current(name) for name in current_names()}, _water(self._live.scenario).flow
+        self._currents: dict[str, Current] = {UNIFORM: STILL, **({OWN: own} if own else {}), **presets}
+        self._flow, self._flow_kind = OWN, type(None)
+        handle = gui.add_dropdown("flow", (*self._currents,), hint=FLOW)
+        self._add("flow", handle, self._flow_name, self._of_flow)
+        self._numbers = gui.add_folder("Flow", visible=False)
+
+    def _flow_name(self, now: Scenario) -> str:
+        """What the water's motion is called: what was chosen last, if it is of that kind."""
+        names, kind = (self._flow, *self._currents), type(_water(now).current)
+        return next((name for name in names if type(self._currents.get(name)) is kind), UNIFORM)
+
+    def _of_flow(self, name: str) -> Changes:
+        self._flow = name
+        return {"current": self._currents[name]}
+
+    def _add_numbers(self, flow: Flow | None) -> None:
+        """Fields for the numbers that a flow declares, in the place of the last one's."""
+        for name in [name for name in self.by_name if name.startswith(IN_FLOW)]:
+            self.by_name.pop(name).handle.remove()
+        self._flow_kind, self._numbers.visible = type(flow), flow is not None
+        for axis in "xy":
+            self.by_name[f"current_{axis}"].handle.visible = flow is None
+        for field, declared in quantities_of(type(flow)).items() if flow else ():
+            value: Any = getattr(flow, field)
+            if type(value) not in (int, float) and np.shape(value) != (3,):
+                continue
+            per = math.degrees(1.0) if declared.unit.startswith("rad") else 1.0
+            step = 1 if isinstance(value, int) else 0.5 if per > 1.0 else 0.001
+
+            def shown(now: Scenario, field: str = field, per: float = per) -> Any:
+                """Without the last digits that degrees lose."""
+                value = getattr(_water(now).flow, field)
+                return round(per * value, 9) if per > 1.0 else value
+
+            def changes(value: Any, field: str = field, per: float = per) -> Changes:
+                flow: Any = _water(self._live.scenario).flow
+                return {"current": replace(flow, **{field: value / per if per > 1.0 else value})}
+
+            with self._numbers:
+                add = self._gui.add_vector3 if isinstance(value, tuple) else self._gui.add_number
+                label = f"{field} [{declared.unit.replace('rad', '°') or '-'}]".replace("_", " ")
+                handle = add(label, value, step=step, hint=_hint(type(flow), field))
+            handle.on_update(self._listen)
+            self._add(f"{IN_FLOW}{field}", handle, shown, changes)
 
     def _of_kind(self, kind: str) -> Gait:
         envelope = self._envelope if kind == self._envelope.kind else envelope_of(kind)
@@ -211,9 +265,9 @@ def models() -> tuple[str, ...]:
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
 
 
-def _current(scenario: Scenario) -> tuple[float, float]:
+def _water(scenario: Scenario) -> Water:
     assert isinstance(scenario.environment, Water)
-    return scenario.environment.uniform[:2]
+    return scenario.environment
 
 
 def _fin_of(robot: Robot) -> str:

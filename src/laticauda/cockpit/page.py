@@ -121,12 +121,12 @@ class Cockpit:
     def frame(self) -> None:
         """Bring all pages up to date."""
         live, self._frames = self.live, self._frames + 1
-        sample, robot = live.latest(), live.simulation.plant.robot
+        sample, plant = live.latest(), live.simulation.plant
         with self._server.atomic():
             if self._new_trail:
                 self._scene.trail.forget()
                 self._new_trail = False
-            self._scene.show(robot, sample, forces=live.link_forces)
+            self._scene.show(plant.robot, plant.environment, sample, forces=live.link_forces)
             self._board.show(sample.center_of_mass)
             self._runs.show()
             operated = self.operated.show(with_text=self._frames % SLOW == 0)

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
+from laticauda.cockpit.water import MovingWater
 from laticauda.dynamics.plant import Plant
 from laticauda.kinematics import to_quaternion
-from laticauda.robot import Robot
+from laticauda.pictures.camera import in_space
+from laticauda.robot import Environment, Robot
 from laticauda.series import Log
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the axis of a robot in the plane [m]
@@ -122,7 +124,7 @@ class Trail:
 
     def grow(self, place: np.ndarray) -> None:
         """Let it grow to a place, in the plane or in space [m]."""
-        place = in_space(place)
+        place = in_space(place, 0.0)
         if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
             self._points.append(place)
 
@@ -181,12 +183,14 @@ class Scene:
             shadow_opacity=0.0,
             position=(0.0, 0.0, FLOOR + 0.004),
         )
+        self._water = MovingWater(scene)
         self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
-    def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
-        """Draw the robot, and the force on every link if it is in the sample and asked for."""
+    def show(self, robot: Robot, environment: Environment, sample: Log, *, forces: bool) -> None:
+        """Draw the robot and its water, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
-        place = in_space(sample.center_of_mass)
+        self._water.show(environment, robot, sample.center_of_mass, float(sample.time))
+        place = in_space(sample.center_of_mass, 0.0)
         self.trail.grow(place)
         arrows = _arrows(now, sample, place) if forces else None
         if arrows is not None:
@@ -197,6 +201,7 @@ class Scene:
         floor, surface = FLOOR, SURFACE
         if sample.center_of_mass.size == 3:  # the floor sinks in steps with a robot that dives deeper
             floor, surface = -max(LEAST_FLOOR, 0.5 * math.ceil(2.0 * (0.3 - float(place[2])))), 0.0
+        self._surface.visible = self._water.surface is None
         if (x, y, floor + 0.004) != tuple(self._grid.position):
             for handle, z in ((self._floor, floor), (self._grid, floor + 0.004), (self._surface, surface)):
                 handle.position = (x, y, z)
@@ -262,11 +267,6 @@ def _linear(color: Color) -> tuple[float, float, float]:
     """A color as the page's fog takes it: in amounts of light, where all others are in steps that look equal."""
     r, g, b = (((share + 0.055) / 1.055) ** 2.4 for share in (value / 255.0 for value in color))
     return r, g, b
-
-
-def in_space(place: np.ndarray) -> np.ndarray:
-    """A place in the plane as one in space [m]."""
-    return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 
 def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:

@@ -5,13 +5,12 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.image import AxesImage
-from matplotlib.patches import FancyArrowPatch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
@@ -91,20 +90,18 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
 
 def _add_bar(ax: Axes, image: AxesImage, label: str) -> None:
     """What the shades stand for, to the right of the axes and as high as these."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
+    figure: Any = ax.get_figure(root=True)
     side = ax.inset_axes((1.02, 0.0, BAR / (ax.get_position().width * figure.get_figwidth()), 1.0))
     bar = figure.colorbar(image, cax=side)
     bar.set_label(label, fontsize=style.LABEL, color=style.INK)
     side.tick_params(labelsize=style.TICK, labelcolor=style.INK, length=0)
     side.yaxis.set_major_locator(MaxNLocator(4))
-    cast(Any, bar.outline).set_visible(False)
+    bar.outline.set_visible(False)
 
 
 def _corners(ax: Axes) -> tuple[np.ndarray, np.ndarray]:
     """Of what is drawn, with its margins, and what beside it fills axes of equal scales."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
+    figure: Any = ax.get_figure(root=True)
     box: Any = np.array(ax.get_position().size) * figure.get_size_inches()
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     low, high = np.array((left, bottom)), np.array((right, top))
@@ -114,8 +111,7 @@ def _corners(ax: Axes) -> tuple[np.ndarray, np.ndarray]:
 
 def _above_corner(ax: Axes) -> Transform:
     """Points, counted from the upper right corner: what is drawn in them keeps its size and its direction."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
+    figure: Any = ax.get_figure(root=True)
     corner = ScaledTranslation(1.0, 1.0, ax.transAxes)  # pyright: ignore[reportArgumentType]  # any transform will do
     return Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + corner
 
@@ -123,19 +119,8 @@ def _above_corner(ax: Axes) -> Transform:
 def _tell_current(ax: Axes, current: Sequence[float]) -> None:
     """Strength and direction of the current, above the upper right corner."""
     strength, in_points = math.hypot(*current), _above_corner(ax)
-    tip = tuple(7.0 * part / strength for part in current)
-    look: Any = {"xycoords": in_points, "ha": "right", "va": "center", "color": style.INK, "annotation_clip": False}
-    style.note(ax, f"current {strength:.3g} m/s", (-20.0, ROW), (0, 0), **look)
-    arrow = FancyArrowPatch(
-        (-10.0 - tip[0], ROW - tip[1]),
-        (-10.0 + tip[0], ROW + tip[1]),
-        arrowstyle="-|>",
-        mutation_scale=7,
-        shrinkA=0,
-        shrinkB=0,
-        color=style.INK,
-        linewidth=style.THIN,
-        clip_on=False,
-        transform=in_points,
-    )
-    ax.add_patch(arrow)
+    x, y = (7.0 * part / strength for part in current)
+    look: Any = {"xycoords": in_points, "color": style.INK, "annotation_clip": False}
+    style.note(ax, f"current {strength:.3g} m/s", (-20.0, ROW), (0, 0), ha="right", va="center", **look)
+    arrow = {"arrowstyle": "-|>", "mutation_scale": 7, "shrinkA": 0, "shrinkB": 0, "linewidth": style.THIN}
+    ax.annotate("", (-10.0 + x, ROW + y), (-10.0 - x, ROW - y), textcoords=in_points, arrowprops=arrow, **look)

@@ -55,7 +55,7 @@ def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: floa
     points[:, 2] += OVER * max(module.section.half_height for module in trial.robot.modules)
     bright = np.linspace(0.5, 1.0, len(points))[:, np.newaxis] * TRAIL_COLOR
     for one, other, color in zip(points[:-1], points[1:], bright, strict=False):
-        _add_line(scene, one, other, width, color)
+        add_piece(scene, one, other, width, color, "LINE")
 
 
 def path_dashes(trial: Trial, height: float) -> Dashes:
@@ -92,14 +92,14 @@ def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"
 def draw_path(scene: Any, dashes: Dashes, width: float) -> None:
     """Draw what `path_dashes` gave into a scene, as lines of so many pixels."""
     for one, other in dashes:
-        _add_line(scene, one, other, width, PATH_COLOR)
+        add_piece(scene, one, other, width, PATH_COLOR, "LINE")
 
 
-def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray) -> None:
-    """A piece of a line into a scene that is about to be drawn."""
+def add_piece(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray, kind: str) -> None:
+    """A piece of a `LINE` [pixels], or an `ARROW` [m], into a scene that is about to be drawn."""
     if scene.ngeom < scene.maxgeom:
-        mujoco, geom = load_mujoco(), scene.geoms[scene.ngeom]
-        kind, zero = mujoco.mjtGeom.mjGEOM_LINE, np.zeros(3)
-        mujoco.mjv_initGeom(geom, kind, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32))
-        mujoco.mjv_connector(geom, kind, width, one, other)
+        mujoco, geom, zero = load_mujoco(), scene.geoms[scene.ngeom], np.zeros(3)
+        shape = getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")
+        mujoco.mjv_initGeom(geom, shape, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32))
+        mujoco.mjv_connector(geom, shape, width, one, other)
         scene.ngeom += 1

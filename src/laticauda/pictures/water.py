@@ -7,12 +7,13 @@ import numpy as np
 
 from laticauda.extras import load_mujoco
 from laticauda.fluid.arrows import Surface, arrows_of, grid, has_waves
+from laticauda.pictures.lines import add_piece
 from laticauda.pictures.surroundings import AIR, CLEAR
 from laticauda.robot import Environment, Water
 
 SHAFT = 0.004  # width of an arrow, in lengths of the robot
 FAINT = 0.05  # length of an arrow that is left out, to the way from one to the next [-]
-COLOR = np.array((0.80, 0.95, 1.0, 1.0), np.float32)
+COLOR = np.array((0.80, 0.95, 1.0))
 CORNERS = 81  # of the surface, along a side
 NAME = "waves"
 
@@ -80,11 +81,6 @@ class MovingWater:
         """Draw the arrows into a `MjvScene`; arguments as for `move`."""
         if self._arrows is None:
             return
-        mujoco, kind, zero = load_mujoco(), load_mujoco().mjtGeom.mjGEOM_ARROW, np.zeros(3)
-        found = self._arrows.around(center, t)
-        long = np.linalg.norm(found[:, 1] - found[:, 0], axis=1) > FAINT * self._arrows.spacing
-        for tail, tip in found[long][: scene.maxgeom - scene.ngeom]:
-            geom = scene.geoms[scene.ngeom]
-            mujoco.mjv_initGeom(geom, kind, zero, zero, np.zeros(9), COLOR)
-            mujoco.mjv_connector(geom, kind, SHAFT * self._length, tail, tip)
-            scene.ngeom += 1
+        for tail, tip in self._arrows.around(center, t):
+            if np.linalg.norm(tip - tail) > FAINT * self._arrows.spacing:
+                add_piece(scene, tail, tip, SHAFT * self._length, COLOR, "ARROW")
