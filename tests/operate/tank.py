@@ -82,7 +82,7 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
                 recorder.sample(sample, received=arrival)
                 at += 1
             if k == 100:
-                recorder.event(Event(time=now, kind="start", message="The run begins."))
+                recorder.happened(Event(time=now, kind="start", message="The run begins."))
             if k % 50 == 0:
                 recorder.sample(PowerReading(time=now, current=2.0, average=DRAWN, since=0.0))
                 recorder.can(now, 0x181, bytes([k % 256]), sent=True)
@@ -93,5 +93,7 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
                     thought, command = controller.step(thought, estimate)
                     recorder.command(now, command, controller.signals(thought))
             if abs(now - stop) < 1e-6:
-                recorder.event(Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True}))
+                recorder.happened(
+                    Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True})
+                )
     return trial

@@ -73,9 +73,10 @@ class MessageFile:
 
         self._chunk_ns = nanoseconds(positive("chunk_seconds", chunk_seconds, "s"))
         self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
-        self._path = Path(path)
+        self.path = Path(path)
+        """The file."""
         try:
-            self._file: BinaryIO = self._path.open("wb" if overwrite else "xb")
+            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
         except OSError as error:
             raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
         # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
@@ -88,11 +89,6 @@ class MessageFile:
         self._sequence = 0
         self._is_open = True
         self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._path
 
     def add(self, topic: str, kind: str, unit: str, now: int, data: bytes) -> None:
         """Write a message.

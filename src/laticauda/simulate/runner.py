@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Unpack, cast
+from typing import Any, TypedDict, Unpack, cast
 
 import numpy as np
 
@@ -26,6 +26,16 @@ CLOSE = 1e-9  # [s]: two moments that are one
 CHUNK = 2000
 # A log beyond this many samples would take gigabytes.
 MOST_SAMPLES = 2_000_000
+
+
+class Logging(TypedDict, total=False):
+    """What may be said of how a run is logged and ends; see `run`."""
+
+    sample_interval: float
+    link_forces: bool
+    until: Until | None
+    throw: bool
+    progress: Progress | None
 
 
 def run(
@@ -185,11 +195,7 @@ def resume(
     duration: float,
     *,
     controller: Controller[Any] | None = None,
-    sample_interval: float = 0.05,
-    link_forces: bool = False,
-    until: Until | None = None,
-    throw: bool = False,
-    progress: Progress | None = None,
+    **how: Unpack[Logging],
 ) -> Trial:
     """Go on from where a trial ended; the rest of an open-loop run is the same as if it had never been cut.
 
@@ -198,11 +204,7 @@ def resume(
         trial: A trial that ran to its end.
         duration: How much longer [s].
         controller: None goes on with the trial's gait. A controller starts from its own initial state.
-        sample_interval: As for `run` [s].
-        link_forces: As for `run`.
-        until: As for `run`.
-        throw: As for `run`.
-        progress: As for `run`.
+        how: As for `run`: `sample_interval`, `link_forces`, `until`, `throw`, `progress`.
 
     Returns:
         The trial of the second part; `laticauda.joined` puts the two together.
@@ -221,18 +223,7 @@ def resume(
         if trial.gait is None:
             raise BadArgument("controller", "must be given to go on with a trial that has no gait")
         controller = OpenLoop(command=Command(gait=trial.gait))
-    start = Resumed(state=trial.state)
-    return run(
-        plant,
-        controller,
-        duration,
-        start=start,
-        sample_interval=sample_interval,
-        link_forces=link_forces,
-        until=until,
-        throw=throw,
-        progress=progress,
-    )
+    return run(plant, controller, duration, start=Resumed(state=trial.state), **how)
 
 
 def _motion(controller: Controller[Any]) -> Motion:

@@ -153,7 +153,7 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
     header = Header(run=RUN)
     with OperationRecorder(path, header) as recorder:
         recorder.sample(PowerReading(time=0.0, current=1.0))
-        recorder.event(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
+        recorder.happened(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
         log = read_operation(path)
         assert [type(entry) for entry in log.entries] == [PowerReading, Event]
         assert log.entries[1].message == "Water in module 3." and log.entries[1].data == {"node": 3}

@@ -8,7 +8,6 @@ writes what the loop hands over, so that no disk makes it late.
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 
@@ -27,7 +26,7 @@ RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning"}
 
 
-class OperationRecorder:
+class OperationRecorder(logs.Recorder):
     """Writes the recording of one operation; a context manager, and any thread may write.
 
     Times are those of one clock, not negative [s].
@@ -42,17 +41,12 @@ class OperationRecorder:
     """
 
     def __init__(self, path: str | Path, header: Header) -> None:
-        self._recorder = logs.Recorder(path, chunk_seconds=CHUNK)
-        self._recorder.metadata(HEADER, header.texts())
+        super().__init__(path, chunk_seconds=CHUNK)
+        self.metadata(HEADER, header.texts())
         robot = header.run.robot
         self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
         self._driven = (*self._joints, "fin_joint")[: len(robot.driven_joints)]
         self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._recorder.path
 
     def sample(self, sample: Measurement, *, received: float | None = None) -> None:
         """What came in, in the order in which the estimator got it.
@@ -66,12 +60,12 @@ class OperationRecorder:
         if isinstance(sample, estimation.JointSample):
             names = next(n for n in (self._driven, self._joints, self._yaw) if sample.angle.size == len(n))
             rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
-            self._recorder.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
+            self.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
         elif isinstance(sample, estimation.PoseSample) and not sample.is_lost:
             turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else to_quaternion(sample.rotation)
-            self._recorder.pose("/mocap/body", time, sample.position.tolist(), turned)
+            self.pose("/mocap/body", time, sample.position.tolist(), turned)
         elif isinstance(sample, PowerReading):
-            self._recorder.scalar("/power/current", time, sample.current, unit="A")
+            self.scalar("/power/current", time, sample.current, unit="A")
 
     def estimate(self, estimate: estimation.Estimate) -> None:
         """An `estimate` of where the robot was."""
@@ -79,12 +73,12 @@ class OperationRecorder:
         self._array(topic_of(estimate), time, estimate)
         x, y, z = (*estimate.center_of_mass.tolist(), 0.0)[:3]
         turned = to_quaternion(turn("yaw", estimate.heading) @ turn("pitch", estimate.pitch))
-        self._recorder.pose("/estimate/body", time, (x, y, z), turned)
-        self._recorder.scalar("/estimate/heading", time, estimate.heading, unit="rad")
+        self.pose("/estimate/body", time, (x, y, z), turned)
+        self.scalar("/estimate/heading", time, estimate.heading, unit="rad")
 
     def _array(self, topic: str, time: float, entry: Measurement | estimation.Estimate) -> None:
         schema = SCHEMAS[topic]
-        self._recorder.array(topic, time, schema.pack(entry), unit="SI", labels=(schema.label,))
+        self.array(topic, time, schema.pack(entry), unit="SI", labels=(schema.label,))
 
     def command(self, time: float, command: interfaces.Command, signals: Mapping[str, float] | None = None) -> None:
         """What a controller decided.
@@ -95,13 +89,13 @@ class OperationRecorder:
             signals: Its signals, by name.
         """
         content = {"time": time, "command": codec.encode(command), "signals": dict(signals or {})}
-        self._recorder.json(COMMAND, time, content)
+        self.json(COMMAND, time, content)
         for name, value in (signals or {}).items():
-            self._recorder.scalar(f"/control/{name}", time, value, unit="SI")
+            self.scalar(f"/control/{name}", time, value, unit="SI")
 
     def tick(self, tick: Tick) -> None:
         """When a `tick` of the loop was due, when it began, and when its last frame was sent."""
-        self._recorder.array(TICK, tick.began, np.array(tick), unit="s", labels=("due, began, sent",))
+        self.array(TICK, tick.began, np.array(tick), unit="s", labels=("due, began, sent",))
 
     def can(self, time: float, identifier: int, data: bytes, *, sent: bool = False) -> None:
         """A raw frame of the bus.
@@ -112,12 +106,12 @@ class OperationRecorder:
             data: Up to 8 bytes.
             sent: Whether it is ours.
         """
-        self._recorder.can_frame(SENT if sent else RECEIVED, time, identifier, data)
+        self.can_frame(SENT if sent else RECEIVED, time, identifier, data)
 
-    def event(self, event: Event) -> None:
+    def happened(self, event: Event) -> None:
         """An `event`; what came before it is on disk after this. Those of kind `start` and `stop` enclose a run."""
         content = {"message": event.message, "data": dict(event.data)}
-        self._recorder.event(event.time, event.kind, content, level=LEVELS.get(event.kind, "info"))
+        self.event(event.time, event.kind, content, level=LEVELS.get(event.kind, "info"))
 
     def note(self, name: str, content: Mapping[str, str | float]) -> None:
         """What was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
@@ -127,17 +121,7 @@ class OperationRecorder:
             content: Numbers and texts by name.
         """
         texts = {key: value if isinstance(value, str) else repr(float(value)) for key, value in content.items()}
-        self._recorder.metadata(name, texts)
-
-    def close(self) -> None:
-        """Complete the file; a second time it does nothing."""
-        self._recorder.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        self.metadata(name, texts)
 
 
 class Sink:
@@ -189,7 +173,7 @@ class Sink:
         if tick is not None:
             recorder.tick(tick)
         for event in outputs.events:
-            recorder.event(event)
+            recorder.happened(event)
             if event.kind == "idle_current" and "current" in event.data:
                 recorder.note("idle", event.data)
             if event.kind == "settling" and "heading" in event.data:
