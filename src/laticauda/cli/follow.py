@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from laticauda import control, simulate
 from laticauda.cli.command import Outcome
 from laticauda.cli.flags import read
+from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.report import following_table
 from laticauda.cli.scene import Names
 from laticauda.cli.swim import Run
@@ -26,7 +27,11 @@ class Route:
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
         "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
     )
-
+    observe_current: bool = option(
+        "Observe the current and point upstream, with a model of the gait that is fitted to four trials in still water "
+        "first; model-predictive always does",
+        default=False,
+    )
     circle: tuple[float, float, float, float] | None = quantity(
         "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
     )
@@ -103,7 +108,10 @@ class Follow(Run):
         Args:
             scenario: With the numbers that were typed.
         """
-        return scenario
+        motion = scenario.motion
+        if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
+            return scenario
+        return replace(scenario, motion=replace(motion, observer=control.CurrentObserver(model=learned(scenario))))
 
 
 @value
@@ -117,11 +125,22 @@ class FollowPlanned(Follow):
 
     def steered(self, scenario: Scenario) -> Scenario:
         """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
-        from laticauda.studies import averaged_model
-
         gait, settings = scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
-        model = averaged_model(simulate.plant(scenario), gait, self.plan.frequency_limits)
+        model = learned(scenario, self.plan.frequency_limits)
         settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
         settings["interval"] = settings.pop("control_interval")
         motion = control.ModelPredictive(gait=gait, path=self.route.following.path, model=model, **settings)
         return replace(scenario, motion=motion)
+
+
+def learned(scenario: Scenario, frequency_limits: tuple[float, float] | None = None) -> control.AveragedModel:
+    """How its gait moves its robot, from trials that are run now.
+
+    Args:
+        scenario: Of the robot.
+        frequency_limits: See `studies.averaged_model` [rad/s].
+    """
+    from laticauda.studies import averaged_model
+
+    show = progress(SHARE, what="learned how the gait moves the robot", patience=PATIENCE)
+    return averaged_model(simulate.plant(scenario), scenario.gait, frequency_limits, progress=show)

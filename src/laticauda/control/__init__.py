@@ -5,6 +5,7 @@ Knows no model and no hardware: the same controller steers the planar model and 
 
 from laticauda.control.averaged import AveragedModel as AveragedModel
 from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
+from laticauda.control.current import CurrentEstimate as CurrentEstimate, CurrentObserver as CurrentObserver
 from laticauda.control.following import Following as Following
 from laticauda.control.frames import Path as Path, PathFrame as PathFrame
 from laticauda.control.guidance import Guidance as Guidance, IntegralLineOfSight as IntegralLineOfSight

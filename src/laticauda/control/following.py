@@ -3,6 +3,7 @@
 import math
 from typing import Any, Literal
 
+from laticauda.control.current import CurrentObserver
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
 from laticauda.control.heading import HeadingController
@@ -44,6 +45,9 @@ class Following:
     max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
     heading_estimate: str = option("raw, or cycle_mean over the last gait cycle", default="raw")
     interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
+    observer: CurrentObserver | None = option(
+        "what observes the current, so that the robot points upstream; None: nothing does", default=None
+    )
     climb_look_ahead_distance: float = quantity("m", "Delta in depth", gt=0.0, default=1.0)
     climb_integral_gain: float = quantity("m/s", "sigma in depth; 0: no integral", ge=0.0, default=0.03)
     climb_gain: float = quantity("", "offset of the pitch joints per climb error", gt=0.0, default=0.6)
@@ -97,6 +101,7 @@ class Following:
             heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
             heading_estimate=self.heading_estimate,
             interval=self.interval,
+            observer=self.observer,
         )
         if self.profile is None:
             return plan

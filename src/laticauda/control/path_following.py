@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from laticauda.angles import wrap_to_pi
+from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
@@ -16,6 +18,7 @@ from laticauda.robot import Robot
 HEADING_ESTIMATES = ("raw", "cycle_mean")
 _OF_PATH = ("cross_track_error", "along_track_distance", "path_tangential_angle")
 SIGNALS = ("heading_ref", "heading_used", *_OF_PATH, "offset", "is_saturated")
+_SLOWEST = 0.5  # share of the gait's speed that a crab angle reckons with at least
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +47,12 @@ class PathFollowingState:
     """phi_0, the offset asked for [rad]."""
     is_saturated: bool = False
     """Whether the offset is at its limit."""
+    observed: ObserverState | None = None
+    """That of the observer of the current; None without one, and before the first control instant."""
+    crab_angle: float = 0.0
+    """How far upstream of the course the heading asked for is, positive to the right [rad]."""
+    is_crab_limited: bool = False
+    """Whether the current is too strong for that."""
 
 
 @value
@@ -77,6 +86,11 @@ class PathFollowing(Controller[PathFollowingState]):
         default="raw",
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
+    observer: CurrentObserver | None = option(
+        "What observes the current, for which the robot then points upstream; None: what guidance asks for is done",
+        default=None,
+    )
+    max_crab_angle: float = quantity("rad", "Farthest upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi)
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -101,6 +115,9 @@ class PathFollowing(Controller[PathFollowingState]):
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
         progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
         guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, state.is_saturated)
+        observed, crab, is_crab_limited = self._observed(state, observation, heading_ref)
+        if observed is not None:
+            heading_ref = heading + wrap_to_pi(heading_ref - crab - heading)
         offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
         after = PathFollowingState(
             progress=progress,
@@ -114,12 +131,34 @@ class PathFollowing(Controller[PathFollowingState]):
             path_tangential_angle=frame.path_tangential_angle,
             offset=offset,
             is_saturated=is_saturated,
+            observed=observed,
+            crab_angle=crab,
+            is_crab_limited=is_crab_limited,
         )
         return after, Command(gait=self.gait, offset=offset)
 
+    def _observed(
+        self, state: PathFollowingState, observation: Observation, course: float
+    ) -> tuple[ObserverState | None, float, bool]:
+        """What is known of the current now, and how the robot points into it on its course."""
+        if self.observer is None:
+            return None, 0.0, False
+        model, gait, before = self.observer.model, self.gait, state.observed
+        if before is None:
+            seen = self.observer.init(observation)
+        else:
+            seen = self.observer.step(before, gait.frequency, gait.offset + state.offset, observation)
+        # At its own speed the filter's errors of speed and current make up for each other; at the start it has none.
+        speed = max(float(seen.mean[SPEED]), _SLOWEST * model.speed(gait.frequency, 0.0))
+        return seen, *crab_angle(course, seen.drift, speed, self.max_crab_angle)
+
     def signals(self, state: PathFollowingState) -> dict[str, float]:
         """The signals of the last control instant, out of `state`, for the log."""
-        return {name: float(getattr(state, name)) for name in SIGNALS}
+        found = {name: float(getattr(state, name)) for name in SIGNALS}
+        if self.observer is None or state.observed is None:
+            return found
+        crab = {name: float(getattr(state, name)) for name in ("crab_angle", "is_crab_limited")}
+        return found | self.observer.estimate(state.observed).signals | crab
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

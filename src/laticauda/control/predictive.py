@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
-from laticauda.control.averaged import BEND, PSI, SPEED, SWAY, AveragedModel, AveragedObserver, ObserverState, X, Y
+from laticauda.control.averaged import AveragedModel
+from laticauda.control.current import BEND, PSI, SPEED, SWAY, CurrentObserver, ObserverState, X, Y
 from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import LineOfSight
 from laticauda.control.heading import HeadingController
@@ -113,6 +114,10 @@ class ModelPredictive(Controller[PredictiveState]):
         return (self.interval, *(self.stage,) * self.horizon)
 
     @cached_property
+    def _observer(self) -> CurrentObserver:
+        return CurrentObserver(model=self.model)
+
+    @cached_property
     def _problem(self) -> "ModelPredictive":
         """What does not change from plan to plan: all but the path, which may not be hashable."""
         return replace(self, path=StraightLine())
@@ -123,7 +128,7 @@ class ModelPredictive(Controller[PredictiveState]):
 
     def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
         """One control instant: the `state` after the `observation`, and the command until the next one."""
-        observer = AveragedObserver(model=self.model)
+        observer = self._observer
         if state.seen is None:
             seen = observer.init(observation)
         else:
@@ -150,7 +155,7 @@ class ModelPredictive(Controller[PredictiveState]):
     def _given(self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]) -> Given:
         """The numbers of a plan, in axes at the robot along the path there: the same wherever the path is."""
         chi = frame.path_tangential_angle
-        drift, mean = _turned(np.array(seen.drift), -chi), seen.mean
+        drift, mean = _turned(seen.drift, -chi), seen.mean
         psi = wrap_to_pi(float(mean[PSI]) - chi)
         pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
         ahead = frame.along_track_distance + pace * np.cumsum(self.stages)
@@ -204,8 +209,7 @@ class ModelPredictive(Controller[PredictiveState]):
             "cross_track_error": frame.cross_track_error,
             "along_track_distance": frame.along_track_distance,
             "path_tangential_angle": frame.path_tangential_angle,
-            "drift_x": state.seen.drift[0],
-            "drift_y": state.seen.drift[1],
+            **self._observer.estimate(state.seen).signals,
             "frequency": state.command[0],
             "offset": state.command[1],
             "is_saturated": float(abs(state.command[1]) >= self.max_offset - 1e-9),

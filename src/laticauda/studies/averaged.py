@@ -1,5 +1,6 @@
 """The averaged model of a gait with one robot, from trials of its own: what model-predictive guidance plans with."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -7,7 +8,9 @@ from laticauda.control import AveragedModel, OffsetSteps, fit_averaged
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, whole
 from laticauda.gaits import Gait
+from laticauda.robot import Water
 from laticauda.simulate import run
+from laticauda.trial import Trial
 
 N_TRIALS = 4
 AROUND = 1.0 / 3.0
@@ -15,15 +18,21 @@ AROUND = 1.0 / 3.0
 
 
 def averaged_model(
-    plant: Plant[Any], gait: Gait, frequency_limits: tuple[float, float] | None = None, *, n_trials: int = N_TRIALS
+    plant: Plant[Any],
+    gait: Gait,
+    frequency_limits: tuple[float, float] | None = None,
+    *,
+    n_trials: int = N_TRIALS,
+    progress: Callable[[float], None] | None = None,
 ) -> AveragedModel:
     """Learn how a gait moves a robot, from trials at several frequencies whose offset goes up and down in steps.
 
     Args:
-        plant: The robot in its water.
+        plant: The robot in its water, which stands still for this where it moves otherwise than as one.
         gait: What swims.
         frequency_limits: Least and greatest frequency of the trials; None: a third below and above the gait's [rad/s].
         n_trials: How many trials.
+        progress: Called now and then with the share that is done.
 
     Raises:
         ValueError: If an argument is out of its range, or the trials do not determine the model.
@@ -41,4 +50,11 @@ def averaged_model(
         raise BadArgument("frequency_limits", f"must be 0 < least < greatest in rad/s, got {low:g} and {high:g}")
     frequencies = [low + (high - low) * k / (n_trials - 1) for k in range(n_trials)]
     turns = [OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
-    return fit_averaged([run(plant, each, each.duration) for each in turns])
+    water, trials = plant.environment, list[Trial]()
+    if isinstance(water, Water) and water.flow is not None:
+        plant = replace(plant, environment=replace(water, current=(0.0, 0.0)))
+    for k, each in enumerate(turns):
+        trials.append(run(plant, each, each.duration))
+        if progress is not None:
+            progress((k + 1) / n_trials)
+    return fit_averaged(trials)

@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import AveragedModel
-from laticauda.control.averaged import BEND, PSI, AveragedObserver
+from laticauda.control.current import BEND, PSI, CurrentObserver
 
 FREQUENCY = 1.5
 MODEL = AveragedModel(
@@ -31,7 +31,7 @@ NOTHING = np.zeros(1)
 def watched(drift, offsets, *, mirrored=False, ripple=0.15):
     """What the filter believes of a robot that is the model, carried by `drift`, with a ripple; and the truth."""
     sign = -1.0 if mirrored else 1.0
-    observer, truth, state = AveragedObserver(model=MODEL), (0.0,) * 6, None
+    observer, truth, state = CurrentObserver(model=MODEL), (0.0,) * 6, None
     for k, offset in enumerate(offsets):
         time = 0.2 * k
         place = np.array([truth[0] + drift[0] * time, sign * (truth[1] + drift[1] * time)])
@@ -77,12 +77,12 @@ def test_a_mirrored_robot_is_seen_mirrored():
 
 def test_what_is_seen_twice_tells_nothing_new():
     state, _, seen = watched((0.0, 0.0), STRAIGHT[:20])
-    assert AveragedObserver(model=MODEL).step(state, FREQUENCY, 0.0, seen) is state
+    assert CurrentObserver(model=MODEL).step(state, FREQUENCY, 0.0, seen) is state
 
 
 def test_its_uncertainty_stays_symmetric_and_positive():
     state, _, seen = watched((0.0, 0.03), TURN)
-    later = AveragedObserver(model=MODEL).step(state, FREQUENCY, 0.2, replace(seen, time=seen.time + 5.0))
+    later = CurrentObserver(model=MODEL).step(state, FREQUENCY, 0.2, replace(seen, time=seen.time + 5.0))
     for covariance in (state.covariance, later.covariance):
         np.testing.assert_allclose(covariance, covariance.T, atol=1e-15)
         assert np.linalg.eigvalsh(covariance).min() > 0.0
