@@ -43,6 +43,17 @@ def test_follow_plans_ahead_in_a_current_within_a_power(run):
     assert found["settings"]["controller"] == "model-predictive"
 
 
+def test_follow_observes_the_current_and_says_how_well_it_knows_it(run):
+    done = run(
+        "follow --robot mamba-fin --frequency-deg-s 90 --current 0 0.03 --observe-current --look-ahead-distance 1.62 "
+        "--gain 0.25 --duration 60 --json --save run.nc"
+    )
+    assert done.status == 0
+    assert abs(json.loads(done.out)["path_following"]["last_third_error"]) < 0.05
+    signals = load_trial("run.nc").signals
+    assert abs(signals["drift_y"][-1] - 0.03) < 2.0 * signals["drift_y_std"][-1] < 0.03
+
+
 def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
     done = run("follow --robot mamba --guidance model-predictive --duration 2 --json")
     assert (done.status, json.loads(done.out)["settings"]["power_limit"]) == (0, None)

@@ -142,8 +142,11 @@ def crab_angle(course: float, velocity: Array, speed: float, most: float) -> tup
         most: Largest angle, at which a current that is too strong is met [rad].
 
     Returns:
-        The angle, positive to the right [rad], and whether the current is too strong for it.
+        The angle, positive to the right [rad], and whether the current is too strong: it would take a larger one, or
+        leaves no way forward.
     """
-    across = float(velocity[1]) * math.cos(course) - float(velocity[0]) * math.sin(course)
+    c, s = math.cos(course), math.sin(course)
+    along, across = (float(one) for one in velocity @ np.array([[c, -s], [s, c]]))
     asked = math.asin(min(max(across / speed, -1.0), 1.0))
-    return min(max(asked, -most), most), abs(across) > speed * math.sin(most)
+    angle = min(max(asked, -most), most)
+    return angle, abs(across) > speed * math.sin(most) or along + speed * math.cos(angle) <= 0.0
