@@ -200,8 +200,11 @@ class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLL
         raise NotImplementedError
 
     def signals(self, state: State) -> Mapping[str, float]:
-        """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units."""
-        return {}
+        """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units.
+
+        Unless told otherwise, the `signals` that its state has.
+        """
+        return getattr(state, "signals", {})
 
     def check(self, robot: Robot) -> None:
         """Raise a ValueError if `robot` cannot do what the controller may command."""

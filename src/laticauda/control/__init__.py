@@ -11,7 +11,6 @@ from laticauda.control.frames import Path as Path, PathFrame as PathFrame
 from laticauda.control.guidance import Guidance as Guidance, IntegralLineOfSight as IntegralLineOfSight
 from laticauda.control.guidance import LineOfSight as LineOfSight
 from laticauda.control.heading import HeadingController as HeadingController, HeadingEstimate as HeadingEstimate
-from laticauda.control.path_following import HEADING_ESTIMATES as HEADING_ESTIMATES
 from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
 from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
 from laticauda.control.paths import StraightLine as StraightLine

@@ -87,15 +87,19 @@ class CurrentObserver:
         mean[[X, Y]], mean[PSI] = observation.center_of_mass[:2], observation.heading
         return ObserverState(time=observation.time, mean=mean, covariance=np.diag(_START**2))
 
-    def step(self, state: ObserverState, frequency: float, offset: float, observation: Observation) -> ObserverState:
+    def step(
+        self, state: ObserverState | None, frequency: float, offset: float, observation: Observation
+    ) -> ObserverState:
         """Go on to the next observation.
 
         Args:
-            state: As the last call returned it, or `init`.
+            state: As the last call returned it; None before the first.
             frequency: Of the gait that was held since then [rad/s].
             offset: Of the joints that was held since then [rad].
             observation: Of now.
         """
+        if state is None:
+            return self.init(observation)
         dt = observation.time - state.time
         if dt <= 0.0:
             return state

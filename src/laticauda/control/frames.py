@@ -31,6 +31,12 @@ class PathFrame:
     remaining: float
     """Length of the path ahead; 0 after its end, infinite for a line that has none [m]."""
 
+    @property
+    def signals(self) -> dict[str, float]:
+        """What logs have of it."""
+        names = "cross_track_error", "along_track_distance", "path_tangential_angle"
+        return {name: float(getattr(self, name)) for name in names}
+
 
 class Path(Extensible, Generic[State], group="paths", homes=PATHS):
     """What a robot can follow. How far it has come is a value, like every state.

@@ -1,23 +1,21 @@
 """Path following, the paper's Fig. 3: guidance gives a heading, the heading controller an offset of the gait."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from laticauda.angles import wrap_to_pi
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
-from laticauda.errors import BadArgument, one_of, positive
+from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
-HEADING_ESTIMATES = ("raw", "cycle_mean")
-_OF_PATH = ("cross_track_error", "along_track_distance", "path_tangential_angle")
-SIGNALS = ("heading_ref", "heading_used", *_OF_PATH, "offset", "is_saturated")
 _SLOWEST = 0.5  # share of the gait's speed that a crab angle reckons with at least
 
 
@@ -33,26 +31,10 @@ class PathFollowingState:
     """That of the heading estimate."""
     time: float | None = None
     """Of the last control instant; None before the first [s]."""
-    heading_ref: float = 0.0
-    """theta_ref, the heading asked for [rad]."""
-    heading_used: float = 0.0
-    """theta, as the heading estimate has it [rad]."""
-    cross_track_error: float = 0.0
-    """Distance from the path, positive to the left [m]."""
-    along_track_distance: float = 0.0
-    """How far along the path [m]."""
-    path_tangential_angle: float = 0.0
-    """Direction of the path there [rad]."""
-    offset: float = 0.0
-    """phi_0, the offset asked for [rad]."""
-    is_saturated: bool = False
-    """Whether the offset is at its limit."""
     observed: ObserverState | None = None
     """That of the observer of the current; None without one, and before the first control instant."""
-    crab_angle: float = 0.0
-    """How far upstream of the course the heading asked for is, positive to the right [rad]."""
-    is_crab_limited: bool = False
-    """Whether the current is too strong for that."""
+    signals: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Of the last control instant, for the log."""
 
 
 @value
@@ -73,15 +55,15 @@ class PathFollowing(Controller[PathFollowingState]):
         ...     guidance=LineOfSight(look_ahead_distance=0.18),
         ...     heading=HeadingController(gain=0.4, max_offset=0.35),
         ... )
-        >>> sorted(controller.signals(controller.init()))[:3]
-        ['along_track_distance', 'cross_track_error', 'heading_ref']
+        >>> controller.interval
+        0.05
     """
 
     gait: Gait = option("What swims along the path; its own offset is added")
     path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
     guidance: Guidance[Any] = option("Law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own")
     heading: HeadingController = option("The law that turns the robot")
-    heading_estimate: str = option(
+    heading_estimate: Literal["raw", "cycle_mean"] = option(
         "Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period",
         default="raw",
     )
@@ -94,8 +76,6 @@ class PathFollowing(Controller[PathFollowingState]):
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        kind = one_of("heading_estimate", self.heading_estimate.replace("-", "_"), HEADING_ESTIMATES)
-        object.__setattr__(self, "heading_estimate", kind)
         if self.heading_estimate == "cycle_mean":
             positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
 
@@ -114,51 +94,43 @@ class PathFollowing(Controller[PathFollowingState]):
         dt = 0.0 if state.time is None else observation.time - state.time
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
         progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
-        guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, state.is_saturated)
-        observed, crab, is_crab_limited = self._observed(state, observation, heading_ref)
-        if observed is not None:
-            heading_ref = heading + wrap_to_pi(heading_ref - crab - heading)
+        was_saturated = bool(state.signals.get("is_saturated"))
+        guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, was_saturated)
+        observed, crab = self._observed(state, observation, heading_ref)
+        if crab:
+            heading_ref = heading + wrap_to_pi(heading_ref - crab["crab_angle"] - heading)
         offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
+        signals = {
+            "heading_ref": heading_ref,
+            "heading_used": heading,
+            **frame.signals,
+            "offset": offset,
+            "is_saturated": float(is_saturated),
+            **crab,
+        }
         after = PathFollowingState(
             progress=progress,
             guidance=guidance,
             window=window,
             time=observation.time,
-            heading_ref=heading_ref,
-            heading_used=heading,
-            cross_track_error=frame.cross_track_error,
-            along_track_distance=frame.along_track_distance,
-            path_tangential_angle=frame.path_tangential_angle,
-            offset=offset,
-            is_saturated=is_saturated,
             observed=observed,
-            crab_angle=crab,
-            is_crab_limited=is_crab_limited,
+            signals=signals,
         )
         return after, Command(gait=self.gait, offset=offset)
 
     def _observed(
         self, state: PathFollowingState, observation: Observation, course: float
-    ) -> tuple[ObserverState | None, float, bool]:
+    ) -> tuple[ObserverState | None, dict[str, float]]:
         """What is known of the current now, and how the robot points into it on its course."""
         if self.observer is None:
-            return None, 0.0, False
-        model, gait, before = self.observer.model, self.gait, state.observed
-        if before is None:
-            seen = self.observer.init(observation)
-        else:
-            seen = self.observer.step(before, gait.frequency, gait.offset + state.offset, observation)
+            return None, {}
+        frequency, held = self.gait.frequency, self.gait.offset + state.signals.get("offset", 0.0)
+        seen = self.observer.step(state.observed, frequency, held, observation)
         # At its own speed the filter's errors of speed and current make up for each other; at the start it has none.
-        speed = max(float(seen.mean[SPEED]), _SLOWEST * model.speed(gait.frequency, 0.0))
-        return seen, *crab_angle(course, seen.drift, speed, self.max_crab_angle)
-
-    def signals(self, state: PathFollowingState) -> dict[str, float]:
-        """The signals of the last control instant, out of `state`, for the log."""
-        found = {name: float(getattr(state, name)) for name in SIGNALS}
-        if self.observer is None or state.observed is None:
-            return found
-        crab = {name: float(getattr(state, name)) for name in ("crab_angle", "is_crab_limited")}
-        return found | self.observer.estimate(state.observed).signals | crab
+        speed = max(float(seen.mean[SPEED]), _SLOWEST * self.observer.model.speed(frequency, 0.0))
+        angle, is_limited = crab_angle(course, seen.drift, speed, self.max_crab_angle)
+        crab = {"crab_angle": angle, "is_crab_limited": float(is_limited)}
+        return seen, self.observer.estimate(seen).signals | crab
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

@@ -1,7 +1,8 @@
 """Model-predictive path following: at every instant the best plan over the next seconds, of which the begin is done."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,14 +39,8 @@ class PredictiveState:
     """Of the last plan that was found; the next begins there."""
     command: tuple[float, float] = (0.0, 0.0)
     """Frequency [rad/s] and offset [rad] of the last command."""
-    frame: PathFrame | None = None
-    """Where it was beside the path."""
-    heading_ref: float = 0.0
-    """Mean heading that is asked for: the plan's after its first step, or that of line of sight [rad]."""
-    iterations: int = 0
-    """What the last plan took."""
-    is_fallback: bool = False
-    """Whether there was none, and line of sight took over."""
+    signals: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Of the last control instant, for the log."""
 
 
 @value
@@ -114,10 +109,6 @@ class ModelPredictive(Controller[PredictiveState]):
         return (self.interval, *(self.stage,) * self.horizon)
 
     @cached_property
-    def _observer(self) -> CurrentObserver:
-        return CurrentObserver(model=self.model)
-
-    @cached_property
     def _problem(self) -> "ModelPredictive":
         """What does not change from plan to plan: all but the path, which may not be hashable."""
         return replace(self, path=StraightLine())
@@ -128,11 +119,8 @@ class ModelPredictive(Controller[PredictiveState]):
 
     def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
         """One control instant: the `state` after the `observation`, and the command until the next one."""
-        observer = self._observer
-        if state.seen is None:
-            seen = observer.init(observation)
-        else:
-            seen = observer.step(state.seen, *state.command, observation)
+        observer = CurrentObserver(model=self.model)
+        seen = observer.step(state.seen, *state.command, observation)
         # Planned with is where the filter has the robot: the center of mass swings across its course with the gait.
         progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
         _, raw = self.path.locate(progress, observation.center_of_mass[:2])
@@ -145,10 +133,18 @@ class ModelPredictive(Controller[PredictiveState]):
             seen=seen,
             unknowns=None if is_fallback else found.unknowns,
             command=(frequency, offset),
-            frame=raw,
-            heading_ref=heading_ref,
-            iterations=found.iterations,
-            is_fallback=is_fallback,
+            signals={
+                # Mean heading that is asked for: the plan's after its first step, or that of line of sight.
+                "heading_ref": heading_ref,
+                "heading_used": self._heading(seen),
+                **raw.signals,
+                **observer.estimate(seen).signals,
+                "frequency": frequency,
+                "offset": offset,
+                "is_saturated": float(abs(offset) >= self.max_offset - 1e-9),
+                "solver_iterations": float(found.iterations),
+                "is_fallback": float(is_fallback),
+            },
         )
         return after, Command(gait=replace(self.gait, frequency=frequency), offset=offset)
 
@@ -198,24 +194,6 @@ class ModelPredictive(Controller[PredictiveState]):
         pace = self.frequency_rate * self.interval, self.offset_rate * self.interval
         f, offset = (min(max(w, b - p), b + p) for w, b, p in zip(wanted, last, pace, strict=True))
         return min(max(f, low), high), min(max(offset, -self.max_offset), self.max_offset)
-
-    def signals(self, state: PredictiveState) -> dict[str, float]:
-        """The signals of the last control instant, out of `state`, for the log."""
-        assert state.seen is not None and state.frame is not None
-        frame = state.frame
-        return {
-            "heading_ref": state.heading_ref,
-            "heading_used": self._heading(state.seen),
-            "cross_track_error": frame.cross_track_error,
-            "along_track_distance": frame.along_track_distance,
-            "path_tangential_angle": frame.path_tangential_angle,
-            **self._observer.estimate(state.seen).signals,
-            "frequency": state.command[0],
-            "offset": state.command[1],
-            "is_saturated": float(abs(state.command[1]) >= self.max_offset - 1e-9),
-            "solver_iterations": float(state.iterations),
-            "is_fallback": float(state.is_fallback),
-        }
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

@@ -59,8 +59,8 @@ class SpatialPathFollowing(PathFollowing):
         ...     heading=HeadingController(gain=0.4, max_offset=0.35),
         ...     climb=HeadingController(gain=0.2, max_offset=0.1),
         ... )
-        >>> sorted(controller.signals(controller.init()))[:3]
-        ['along_track_distance', 'climb_is_saturated', 'climb_offset']
+        >>> controller.interval
+        0.05
     """
 
     profile: Path[Any] = option("The path in profile: x is the distance along `path`, y the height, 0 at the surface")
@@ -88,20 +88,18 @@ class SpatialPathFollowing(PathFollowing):
             )
         plan, turn = super().step(state, observation)
         at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
-        along = velocity[0] * math.cos(plan.path_tangential_angle) + velocity[1] * math.sin(plan.path_tangential_angle)
+        course, gone = (plan.signals[name] for name in ("path_tangential_angle", "along_track_distance"))
+        along = velocity[0] * math.cos(course) + velocity[1] * math.sin(course)
         seen = replace(
             observation,
-            center_of_mass=np.array([plan.along_track_distance, at[2]]),
+            center_of_mass=np.array([gone, at[2]]),
             center_of_mass_velocity=np.array([along, velocity[2]]),
             heading=-observation.pitch,
         )
         profile, rise = self._profile.step(cast(SpatialPathFollowingState, state).profile, seen)
-        return SpatialPathFollowingState(**vars(plan), profile=profile), replace(turn, pitch_offset=-rise.offset)
-
-    def signals(self, state: PathFollowingState) -> dict[str, float]:
-        """The signals of the last control instant, out of `state`, for the log."""
-        profile = self._profile.signals(cast(SpatialPathFollowingState, state).profile)
-        return super().signals(state) | {ours: profile[name] for name, ours in _SIGNALS.items()}
+        climb = {ours: profile.signals[name] for name, ours in _SIGNALS.items()}
+        state = SpatialPathFollowingState(**vars(replace(plan, signals={**plan.signals, **climb})), profile=profile)
+        return state, replace(turn, pitch_offset=-rise.offset)
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

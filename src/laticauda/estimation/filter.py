@@ -22,6 +22,7 @@ from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Refe
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
+from laticauda.robot import Water
 
 PLAY_TORQUE = 0.3  # that has a gear touch on one side, about [N m]
 LONGEST_STEP = 0.05  # of the prediction over a gap [s]
@@ -52,6 +53,8 @@ class Estimator(StateEstimator):
         """Refuse a plant that cannot be the robot's twin."""
         super().__post_init__()
         check_plant(self.plant, self.robot)
+        if self.plant is not None and isinstance(water := self.plant.environment, Water) and water.flow is not None:
+            object.__setattr__(self, "plant", replace(self.plant, environment=water.still))  # a flow is for the filter
         if self.plant is not None and self.swim_speed is not None:
             raise BadArgument("swim_speed", f"must be None beside a `plant`, which knows it, got {self.swim_speed}")
 

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 
 from laticauda import gaits, series
 from laticauda.actuation.laws import Servo
-from laticauda.dynamics.plant import Plant
+from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.interfaces import ORIENTATION, Command, Start
@@ -75,18 +75,19 @@ class VirtualRobot:
         self.robot, self.plant, self.depth = robot, plant, depth
         self.driven = np.array(driven, dtype=int)
         self.start = start or Start()
-        self._work = self._time = 0.0
+        self._work = 0.0
         self._log: list[series.Log] = []
-        self._put(self.start)
+        self._put(self.start, 0.0)
 
     def carry(self, start: Start) -> None:
-        """Take the robot out of the water, straighten it, and put it back at rest at `start`; time goes on."""
-        self._work, self._time = self.truth.electrical_work, self.truth.time
-        self._put(start)
+        """Take the robot out of the water, straighten it, and put it back at rest at `start`; time and water go on."""
+        self._work = self.truth.electrical_work
+        self._put(start, self.truth.time)
 
-    def _put(self, start: Start) -> None:
-        still = Command(gait=STILL)
-        self._state: Any = self.plant.init(start, still)
+    def _put(self, start: Start, time: float) -> None:
+        values = self.plant.init(start, Command(gait=STILL)).values.copy()
+        values[0] = time
+        self._state = PlantState(values=values)
         off = Command(gait=STILL, references=(0.0,) * len(self.driven), enabled=(False,) * len(self.driven))
         _, log, failure = self.plant.march(self._state, off, 1e-6, 1e-6)
         self._check(failure)
@@ -142,7 +143,7 @@ class VirtualRobot:
             rotation = turned_about_vertical(float(log.link_angle[-1, 0]))
         ballast = float(getattr(self.plant.settings, "ballast_depth", 0.0))
         return Truth(
-            time=self._time + float(log.time[-1]),
+            time=float(log.time[-1]),
             center_of_mass=center,
             heading=float(log.heading[-1]),
             joint_angle=angle,

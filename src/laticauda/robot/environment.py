@@ -1,6 +1,7 @@
 """What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, cast
 
@@ -82,6 +83,11 @@ class Water:
     def flow(self) -> Flow | None:
         """How it moves, if not everywhere and always the same."""
         return self.current if isinstance(self.current, Flow) else None
+
+    @property
+    def still(self) -> "Water":
+        """The same water without its current."""
+        return replace(self, current=(0.0, 0.0))
 
     @property
     def uniform(self) -> tuple[float, float, float]:

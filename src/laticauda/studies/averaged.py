@@ -52,7 +52,7 @@ def averaged_model(
     turns = [OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
     water, trials = plant.environment, list[Trial]()
     if isinstance(water, Water) and water.flow is not None:
-        plant = replace(plant, environment=replace(water, current=(0.0, 0.0)))
+        plant = replace(plant, environment=water.still)
     for k, each in enumerate(turns):
         trials.append(run(plant, each, each.duration))
         if progress is not None:
