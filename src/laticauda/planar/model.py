@@ -166,7 +166,7 @@ class PlanarPlant(Plant[Planar]):
             Force along the body, force across it to the left [N], yaw moment about the middle of its links [N m].
         """
         if self.flow.kinds:
-            return replace(self, environment=self.environment.still).towing_load(speed, angle)
+            return replace(self, environment=replace(self.environment, current=(0.0, 0.0))).towing_load(speed, angle)
         a, S = self.layout, self.layout.template.copy()
         S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
         S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)
