@@ -55,6 +55,10 @@ FILM = (
     "follow --robot mamba-modules-fin --gait eel-like --amplitude-deg 40 --frequency-deg-s 110 --phase-shift-deg 40 "
     "--position 0 0.6 --duration 9"
 )
+STREET = (
+    "swim --robot mamba-fin --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 "
+    "--current street --duration 20"
+)
 HALF_HEIGHT, LEAST_HALF_WIDTH = 0.26, 0.45
 # Measured against predicted speeds: gait and fin by color and shape.
 GROUPS = {
@@ -237,21 +241,28 @@ def cockpit(folder: Path) -> None:
         seen.shoot(folder / "cockpit-map.png")
 
 
-def film(folder: Path) -> None:
-    """The film of FILM, as a picture that moves."""
+def film(folder: Path, name: str = "follow", run: str = FILM) -> None:
+    """The film of a run, as a picture that moves."""
     with tempfile.TemporaryDirectory() as scratch:
-        whole = Path(scratch) / "follow.mp4"
-        if command([*FILM.split(), "--video", str(whole)]) != 0:
+        whole = Path(scratch) / "film.mp4"
+        if command([*run.split(), "--video", str(whole)]) != 0:
             raise SystemExit("the run of the film failed")
         words = ["ffmpeg", "-y", "-loglevel", "error", "-i", str(whole), "-vf", "fps=12,scale=640:-2:flags=lanczos"]
         words += ["-c:v", "libwebp_anim", "-quality", "65", "-compression_level", "4", "-loop", "0"]
-        subprocess.run([*words, str(folder / "follow.webp")], check=True)
+        subprocess.run([*words, str(folder / f"{name}.webp")], check=True)
 
 
 def swim(folder: Path) -> None:
     """A swim on one sheet."""
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), folder / "swim.png")
+
+
+def street(folder: Path) -> None:
+    """A swim in a Karman street: its path over the field, and its film from above."""
+    if command([*STREET.split(), "--plot", str(folder / "street.png")]) != 0:
+        raise SystemExit("the run in the street failed")
+    film(folder, "street", f"{STREET} --camera top --from 10")
 
 
 PICTURES: dict[str, Callable[[Path], object]] = {
@@ -263,6 +274,7 @@ PICTURES: dict[str, Callable[[Path], object]] = {
     "identified": lambda folder: save_figure(identified(), folder / "identified.png"),
     "cockpit": cockpit,
     "film": film,
+    "street": street,
 }
 
 
