@@ -78,9 +78,7 @@ class Command:
             if asked is None:
                 continue
             if len(asked) != len(driven):
-                rule = (
-                    f"must have one entry per effector with a `max_{number}`, {len(driven)} of them, got {len(asked)}"
-                )
+                rule = f"must have one entry per effector with a `max_{number}`, {len(driven)} in all, got {len(asked)}"
                 raise BadArgument(name, rule)
             changes[group] = list(built)
             for i, one in zip(driven, asked, strict=True):

@@ -54,9 +54,7 @@ class SweepCommand(Study):
     output: Folder = option("The folder of results; the same command goes on there after a stop", default="sweep")
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
-    ] = option(
-        "What the table's points are best in: the fastest, or of least power or cost", default="forward-velocity"
-    )
+    ] = option("What the table's points are best in: speed, power or cost", default="forward-velocity")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
@@ -130,9 +128,7 @@ class Optimize(Study):
     least_velocity: float | None = quantity(
         "m/s", "Least that will do: the cheapest gait hardly moves", gt=0.0, default=None
     )
-    beyond_actuators: bool = option(
-        "Count gaits too that ask too much of actuators, or whose links overlap", default=False
-    )
+    beyond_actuators: bool = option("Count gaits that ask too much of actuators, or whose links overlap", default=False)
     output: Folder = option(
         "The folder of results; what was stopped goes on there when the same command is run again", default="optimum"
     )

@@ -148,9 +148,7 @@ def _without_functions(table: Mapping[str, Any], at: str) -> Table:
             found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
         elif callable(value):
             called = getattr(value, "__name__", type(value).__name__)
-            text = (
-                f"`{at}{name}` is a function, `{called}`, which cannot be stored: the run cannot be done again from it."
-            )
+            text = f"`{at}{name}` is a function, `{called}`, which cannot be stored, nor the run done again."
             warnings.warn(f"{text} A law that is a class can.", stacklevel=2)
             return {"kind": f"function {called}"}
         elif value is not None:

@@ -81,9 +81,7 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
     for name in ("alpha_deg", "delta_deg"):
         most = max(abs(getattr(one, name)) for one in found)
         if 0.0 < most < _RADIANS:
-            raise TrialFileError(
-                f"{path}: column `{name}` goes to {most:g}, which can hardly be deg; is it in radians?"
-            )
+            raise TrialFileError(f"{path}: column `{name}` goes to {most:g}, which can hardly be deg; is it in rad?")
     return tuple(found)
 
 

@@ -227,7 +227,7 @@ def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():
         ({"sees": False}, r"The motion capture at 127\.0\.0\.1:22223 does not see a body"),
         ({"measures": False}, r"The power meter at there says nothing: check that it is on and connected"),
         ({"leak": {2}}, r"Module 3 reports water inside: take the robot out"),
-        ({"temperature": 80.0}, r"Module 1 has 80 degC, allowed are 70: let it cool"),
+        ({"temperature": 80.0}, r"Module 1 has 80 degC, allowed: 70; let it cool"),
     ],
 )
 def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message):

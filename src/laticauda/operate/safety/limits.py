@@ -130,9 +130,7 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
             flags = ", ".join(beat.faults).replace("_", " ") or "no flag"
             found.append(f"module {node} is in its fault state ({flags})")
         if beat.temperature > max_temperature:
-            found.append(
-                f"module {node} has {beat.temperature:.0f} degC, allowed are {max_temperature:.0f}: let it cool"
-            )
+            found.append(f"module {node} has {beat.temperature:.0f} degC, allowed: {max_temperature:.0f}; let it cool")
         if beat.voltage < min_voltage:
             found.append(f"module {node} has {beat.voltage:.1f} V, needed are {min_voltage:.1f}: check the supply")
     return tuple(found)
