@@ -209,7 +209,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("reset", {"coefficients": {"current": {"file": "x.nc"}}}, "`current` must not name a file: "),
         ("set", {"current": {"kind": "vortex"}}, "`current.kind` must be one of "),
         ("set", {"current": {"kind": "turbulence", "modes": 0}}, "`current.modes` must be a whole number >= 1, got 0"),
-        ("run", {"current": {"kind": "turbulence", "modes": 1000}, "dt": 1e-4}, "in a current of 1001 parts"),
+        ("run", {"current": {"kind": "turbulence", "modes": 1000}, "dt": 1e-4}, "in a current of 1000 parts"),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
         ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
         ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),
