@@ -179,11 +179,14 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
 
     That is so for steps of first order, and for those in which a body comes to move more than half as much again.
     """
-    rate = wetting_in(T, E, o, R, wet, depth, arm, body, data, max(step, 1e-6), surface)
-    x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
-    if T[FIRST_ORDER] or x > 0.5:
-        return rate, 1.0
-    return wetting_in(T, E, o, R, wet, depth, arm, body, data, max(1e-3 * step, 1e-6), surface), 0.0
+    rate, whole = 0.0, 1.0
+    for share in (1.0, 1e-3):
+        rate = wetting_in(T, E, o, R, wet, depth, arm, body, data, max(share * step, 1e-6), surface)
+        x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
+        if T[FIRST_ORDER] or x > 0.5:
+            break
+        whole = 0.0
+    return rate, whole
 
 
 @kernel
