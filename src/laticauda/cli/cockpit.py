@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 class Tank:
     """A robot that somebody else operates, shown besides; nothing is sent to it."""
 
-    lab: bool = option(
-        "Show the robot of a running `laticauda lab`, or of a tank: --robot, mamba-modules if left out", default=False
-    )
+    lab: bool = option("Show the robot of a `laticauda lab` or a tank: --robot, or mamba-modules", default=False)
     trial: File = option("The same, with robot, connections and marker body of this trial file (.toml)", default=None)
     can: str | None = option(
         "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; left out: the trial file's or the lab's", default=None

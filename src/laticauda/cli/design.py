@@ -37,14 +37,12 @@ class Unknowns:
 
     after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
     parameters: Words = option(
-        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in a sweep, with what is known of them before", default=()
+        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in a sweep, and what is known", default=()
     )
     criterion: str = option(
-        "To be small: D, the volume of what is possible; A, the mean variance; NAME, one's deviation", default="D"
+        "To be small: D, the volume of the possible; A, mean variance; NAME, a deviation", default="D"
     )
-    rivals: Words = option(
-        "NAME: waters or parameter files of which only one is true: choose trials that tell them apart", default=()
-    )
+    rivals: Words = option("NAME: waters or parameter files: choose trials that tell which is true", default=())
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 
 

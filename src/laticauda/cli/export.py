@@ -81,9 +81,7 @@ class Fmu(OfScenario):
     """
 
     output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
-    inputs: Literal["gait", "references"] = option(
-        "The gait's numbers, or an angle for every joint (pd, servo)", default="gait"
-    )
+    inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
 
     @classmethod

@@ -66,9 +66,7 @@ class Plan:
 
     speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
     power_limit: float | None = quantity("W", "Most that the gait may take, mean over its cycle", gt=0.0, default=None)
-    frequency_limits: tuple[float, float] | None = quantity(
-        "rad/s", "Of the gait; none: its own alone", gt=0.0, default=None
-    )
+    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Of the gait; none: its own", gt=0.0, default=None)
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
     look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", gt=0.0, default=1.62)
     gain: float = quantity("", "Of its heading law", gt=0.0, default=0.25)

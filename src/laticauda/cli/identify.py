@@ -51,7 +51,7 @@ class Fixed:
 
     robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
     base: str | None = option(
-        "A parameter file with what is not identified, and a joint law; what trials say if left out", default=None
+        "Parameter file for the rest, with a joint law; as the trials say if left out", default=None
     )
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes long", default="planar")

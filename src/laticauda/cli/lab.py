@@ -21,9 +21,7 @@ from laticauda.scenarios import model_of, named_after, water_for
 class Body:
     """What swims, where."""
 
-    robot: str = option(
-        "A preset (`laticauda robots` lists them) or a TOML file, of at most 18 joints", default="mamba-modules"
-    )
+    robot: str = option("A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-modules")
     water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
     scene: str | None = option("What is around it in space, as for `laticauda swim`: tank, pipe ...", default=None)

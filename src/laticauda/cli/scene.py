@@ -28,7 +28,7 @@ class Names(Choice):
     """What swims, how and where, by name. The other flags change single numbers of it."""
 
     water: str | None = option(
-        "A preset, a TOML file or textbook, which is the default; for Mamba the paper's for the gait", default=None
+        "A preset, a TOML file or textbook; or the default: textbook, Mamba's the paper's", default=None
     )
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "

@@ -43,9 +43,7 @@ class Following:
     integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
     gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
     max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
-    heading_estimate: Literal["raw", "cycle_mean"] = option(
-        "raw, or cycle_mean over the last gait cycle", default="raw"
-    )
+    heading_estimate: Literal["raw", "cycle_mean"] = option("raw, or cycle_mean over the last cycle", default="raw")
     interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
     observer: CurrentObserver | None = option(
         "what observes the current, so that the robot points upstream; None: nothing does", default=None

@@ -208,9 +208,7 @@ class Power:
     column: str | None = option("Column of the power [W], instead of current and voltage", default=None)
     current: str | None = option("Column of the current [A]", default=None)
     voltage: str | float | None = option("Column of the voltage, or its value [V]", default=None, check=_voltage)
-    idle: float | None = quantity(
-        "W", "What the robot draws at rest, taken off; None: its `idle_power`", default=None, ge=0.0
-    )
+    idle: float | None = quantity("W", "Drawn at rest, taken off; None: the robot's `idle_power`", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

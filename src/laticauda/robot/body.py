@@ -114,7 +114,7 @@ class Module:
     added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
     center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
     inertia: float | None = quantity(
-        "kg m^2", "Vertical, about the center of mass; None: a uniform rod's", gt=0.0, default=None
+        "kg m^2", "Vertical, about its center of mass; None: a rod's", gt=0.0, default=None
     )
 
     def __post_init__(self) -> None:

@@ -108,9 +108,7 @@ class CaudalFin:
 
     def __post_init__(self) -> None:
         if self.opening_length >= self.length:
-            raise BadArgument(
-                "opening_length", f"must be < {self.length:g} m, the fin's `length`, got {self.opening_length}"
-            )
+            raise BadArgument("opening_length", f"must be < {self.length:g} m, its `length`, got {self.opening_length}")
         if self.n_hinges and self.flexural_rigidity is None:
             raise BadArgument("flexural_rigidity", "must be given in N m^2 for a fin with `n_hinges` > 0, got None")
         if self.joint is not None and self.joint.axis != "yaw":

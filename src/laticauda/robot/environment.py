@@ -50,9 +50,7 @@ class Water:
     trailing_edge: Literal["none", "elongated"] = option(
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
-    current: Current = quantity(
-        "m/s", "V, velocity that it moves to, world axes, or a flow, which says it anywhere", default=(0.0, 0.0)
-    )
+    current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
     depth: float | None = quantity(
         "m",
         "Of the body's axis; far below the surface if left out (a flow in the plane is then that at the surface)",

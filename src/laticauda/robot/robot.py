@@ -53,7 +53,7 @@ class Robot:
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
                     raise BadArgument(
-                        f"{group}[{i}].link", f"must be between 0 (tail) and {n - 1} (head), got {effector.link}"
+                        f"{group}[{i}].link", f"must be from 0 (tail) to {n - 1} (head), got {effector.link}"
                     )
 
     @property

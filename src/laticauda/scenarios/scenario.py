@@ -26,9 +26,7 @@ class _Model:
     dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
     offset_bandwidth: float = quantity("1/s", "Of the gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER)
     loop_delay: float = quantity("s", "From what a controller sees to its command at the joints", default=0.0, ge=0.0)
-    ramp: float | None = quantity(
-        "s", "Of the smooth start; left out: 1 s for prescribed joints, else 0", default=None, ge=0.0
-    )
+    ramp: float | None = quantity("s", "Of the smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
         """Refuse references that jump for joints that cannot."""
@@ -180,9 +178,7 @@ class Experiment:
     gait: Gait | None = option("What the joints were asked for; None where no gait was", default=None)
     environment: Environment = option("What it swam or crawled in")
     model: Model | None = option("By which model it was simulated; None: it was not", default=None)
-    notes: Mapping[str, Any] = option(
-        "What else is known of the run: texts and numbers by name", default_factory=dict[str, Any]
-    )
+    notes: Mapping[str, Any] = option("What else is known of it: texts and numbers", default_factory=dict[str, Any])
 
     def __post_init__(self) -> None:
         """Check what its type does not tell."""
