@@ -128,3 +128,14 @@ def test_the_motor_of_a_driven_fin_is_switched_off_by_one_more_entry(model):
     assert weak < 0.1 * np.abs(log.signals["fin_torque"]).max()
     with pytest.raises(ValueError, match="one entry per joint, 8 of them, or one more for the fin, got 10"):
         plant_.step(plant_.init(Start(), on), replace(on, references=(0.0,) * 10), 0.01)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_an_observation_has_the_robots_motion_and_nothing_of_the_water(model):
+    still = body(model)
+    state = still.step(still.init(Start(), Command(gait=GAIT)), Command(gait=GAIT), 0.5)
+    moving = replace(still, environment=replace(still.environment, current=(0.3, -0.2)))
+    one, other = (vars(each.observe(each.unpack(still.pack(state)))) for each in (still, moving))
+    assert one.keys() == other.keys()
+    for name, value in one.items():
+        np.testing.assert_array_equal(value, other[name], err_msg=name)

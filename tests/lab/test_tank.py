@@ -10,11 +10,11 @@ from laticauda.gaits import Generator
 from laticauda.interfaces import Start
 from laticauda.kinematics import center_of_mass as center_from_marker
 from laticauda.kinematics import link_angles
-from laticauda.lab import Fault, LabSettings, NodeSettings
+from laticauda.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.protocol import Heartbeat, JointState, Loads, Sync
 from laticauda.protocol.meter import decode_displayed
-from laticauda.robot import load_water
-from laticauda.simulate import swim
+from laticauda.robot import load_robot, load_water
+from laticauda.simulate import plant, swim
 
 QUICK = NodeSettings(startup_time=0.1, calibration_time=0.1)
 GAIT = lateral_undulation(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40))
@@ -224,17 +224,55 @@ def test_the_truth_is_a_trial(operator):
 
 
 def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
-    from laticauda.lab import VirtualRobot
-    from laticauda.robot import load_robot
-    from laticauda.simulate import plant
-
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     with pytest.raises(ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."):
         VirtualRobot(robot, plant(robot, water))
-    from laticauda.lab import Tank
-
     many = load_robot("mamba", 21)
     with pytest.raises(ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's among them, got 20\."):
         Tank(VirtualRobot(many, plant(many, water, joints="servo")))
     with pytest.raises(ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"):
         VirtualRobot(load_robot("mamba-modules"), plant(robot, water, joints="servo"))
+
+
+class Recorded(VirtualRobot):
+    """Keeps what it did, or does what another one did."""
+
+    def __init__(self, current, done=None):
+        robot, water = load_robot("mamba-modules"), replace(load_water("paper-lateral"), current=current)
+        super().__init__(robot, plant(robot, water, joints="servo"))
+        self.done, self.again = [], iter(done or ())
+
+    def advance(self, references, on, dt):
+        self.truth = next(self.again, None) or self._swum(references, on, dt)
+        self.done.append(self.truth)
+
+    def _swum(self, references, on, dt):
+        super().advance(references, on, dt)
+        return self.truth
+
+
+def test_what_modules_and_cameras_say_is_what_the_robot_does_and_nothing_of_the_water():
+    moving = Recorded((0.08, -0.05))
+    tanks = [Tank(moving, EXACT)]
+    heard = [swum(Operator(tanks[0]).ready(), 0.5)]
+    assert np.hypot(*moving.truth.center_of_mass[:2]) > 0.01  # carried along
+    tanks.append(Tank(Recorded((0.0, 0.0), moving.done), EXACT))
+    heard.append(swum(Operator(tanks[1]).ready(), 0.5))
+    assert heard[0] == heard[1]
+    one, other = (
+        [(frame.timestamp, *frame.bodies[0].position, *frame.bodies[0].rotation.flat) for frame in tank.captured()]
+        for tank in tanks
+    )
+    assert one == other
+    assert tanks[0].answer("QDDA") == tanks[1].answer("QDDA")
+
+
+def test_the_water_goes_on_when_the_robot_is_carried():
+    body = Recorded((0.1, 0.0))
+    tank = Tank(body, EXACT)
+    tank.advance(1.0)
+    tank.carry(Start(center_of_mass=(2.0, 0.0)))
+    assert body.truth.time == pytest.approx(1.0, abs=1e-5)
+    tank.advance(0.5)
+    assert body.truth.time == pytest.approx(1.5, abs=1e-5)
+    assert body.trial("0").time[0] == pytest.approx(1.0, abs=1e-5)

@@ -164,3 +164,13 @@ def test_a_step_knows_its_mean_power_and_its_velocity_in_body_axes():
     assert along[0] == pytest.approx(velocity.real, abs=1e-15)
     assert across[0] == pytest.approx(velocity.imag, abs=1e-15)
     assert step.power[0] == pytest.approx(motion.work[0] / 0.2)
+
+
+@pytest.mark.parametrize("task", TASKS, ids=NAMES)
+def test_no_sight_looks_at_the_water_that_an_episode_drew(task):
+    episodes = begun(task)
+    seen, motion = episodes.seen, episodes.motion
+    known = {name: values for name, values in episodes.drawn.items() if name == "speed_ref"}  # the order, no water
+    step = Step(drawn=known, before=motion, after=motion, interval=task.interval)
+    told = np.stack([sight.of(step) / sight.unit for sight in task.sights], axis=1)
+    np.testing.assert_array_equal(np.clip(told, -BOUND, BOUND), seen)
