@@ -94,3 +94,20 @@ def test_a_robot_at_rest_in_turning_water_is_turned_as_one_that_turns_in_still_w
         gains.append(end.values[rows.HEADING_RATE - rows.TIME] - turning)
     assert gains[0] > 0.0
     assert gains[0] == pytest.approx(gains[1], rel=1e-4)
+
+
+def test_in_waves_robots_of_one_scene_far_apart_swim_as_alone_and_a_run_goes_on_as_it_would_have():
+    water = replace(STILL, current=WAVES)
+    robot, settings = lc.load_robot("mamba"), {"model": "spatial", "root": "free", "scene": "open"}
+    starts = [lc.Start(center_of_mass=(0.0, 5.0 * k), depth=0.07) for k in range(2)]
+    scenarios = [lc.scenario(robot, GAIT, 1.0, environment=water, start=start, **settings) for start in starts]
+    together, alone = lc.swim_together(scenarios), [lc.swim(one) for one in scenarios]
+    for a, b in zip(together, alone, strict=True):
+        assert np.array_equal(a.center_of_mass, b.center_of_mass)
+    assert np.ptp(alone[0].center_of_mass[:, 2]) > 0.01
+    plant, command = lc.plant(robot, STILL, **settings).in_current(WAVES), lc.Command(gait=GAIT)
+    state = plant.init(starts[0], command)
+    whole, _, _ = plant.march(state, command, 1.0, 0.1)
+    half, _, _ = plant.march(state, command, 0.5, 0.1)
+    other, _, _ = lc.plant(robot, water, **settings).march(half, command, 0.5, 0.1)
+    assert np.array_equal(other.values, whole.values)
