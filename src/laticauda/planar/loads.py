@@ -31,14 +31,14 @@ carried, load = compiled(inertia.carried), compiled(inertia.load)
 
 
 @kernel
-def water_around(S, n, first_strip, first_plate, tail_link):
+def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
     """How the water moves at every element, where it has a flow; else it is in the velocities already."""
     if HAS_FLOW:
         places(S, n)
         for i in range(n):
             b = HEADER_ROWS + i * BODY_ROWS
             strips, plates = first_strip[i + 1] - first_strip[i], first_plate[i + 1] - first_plate[i]
-            for k in range(3 + strips + plates if i == 0 or i == tail_link else 1 + strips + plates):
+            for k in range(3 + strips + plates if has_extras and (i == 0 or i == tail_link) else 1 + strips + plates):
                 x, y, found = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
                 if 0 < k <= strips:
                     e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS

@@ -31,7 +31,7 @@ water_around = _loads.water_around
 def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
     velocities(S, n)
-    water_around(S, n, first_strip, first_plate, tail_link)
+    water_around(S, n, first_strip, first_plate, tail_link, has_extras)
     if has_extras:
         extra_loads(S, n, first_strip, first_plate, tail_link)
     inward(S, n, is_free)
