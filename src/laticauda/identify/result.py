@@ -28,9 +28,7 @@ class Method:
     """How a fit is made."""
 
     noise: str = option(
-        "known: as the measurements state it; estimated: that times a common factor, which the residuals say",
-        default="known",
-        check=one_among("known", "estimated"),
+        "known, or estimated: that times a factor of all", default="known", check=one_among("known", "estimated")
     )
     loss: str = option(
         "How residuals count: all but linear give outliers less weight",

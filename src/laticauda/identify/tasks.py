@@ -74,20 +74,14 @@ class TrialFile:
     name: str = option("What tables call it; empty: as the file", default="")
     group: str = option("Which measurements it belongs with, see `Measurement`", default="")
     figures: Mapping[str, float] = option(
-        "Figures that count, and the standard deviation of each one's noise",
-        default_factory=dict[str, float],
-        check=numbers_by_name("standard deviation"),
+        "That count, with their noise", default_factory=dict[str, float], check=numbers_by_name("standard deviation")
     )
     series: Mapping[str, float] = option(
-        "Series that count, likewise; neither figures nor series: `PATH`",
-        default_factory=dict[str, float],
-        check=numbers_by_name("standard deviation"),
+        "Likewise; if none: `PATH`", default_factory=dict[str, float], check=numbers_by_name("standard deviation")
     )
     interval: float = quantity("s", "Between samples that count; closer ones' noise is hardly new", default=0.5, gt=0.0)
     free_start: bool = option(
-        "Whether place and heading at the begin are identified too where path or heading counts: the first sample has "
-        "noise as all others have, and would push them all",
-        default=True,
+        "Identify place and heading at the begin too where path or heading counts, for its noise", default=True
     )
 
     @property

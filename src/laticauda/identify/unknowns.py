@@ -58,9 +58,7 @@ class Unknown:
     """
 
     name: str = option(
-        "As in a sweep, `water.normal_drag`, or of `NUISANCE`; before it, with a dot, the kind of gait, the group or "
-        "the measurement that it is for, if it is not for all: `eel_like.water.tangential_friction`",
-        check=label,
+        "As in a sweep, or of `NUISANCE`; for some only, these before it: `eel_like.water.normal_drag`", check=label
     )
     start: float | None = quantity("", "Where the search begins", default=None)
     lower: float | None = quantity("", "Least value", default=None)
@@ -70,10 +68,7 @@ class Unknown:
     )
     scale: Literal["log", "linear"] | None = option("log: errors and steps are shares of it; linear", default=None)
     size: float | None = quantity(
-        "",
-        "What is a large change of it on a linear scale; None: what it is, or a tenth of a meter, radian or m/s",
-        default=None,
-        gt=0.0,
+        "", "A large change on a linear scale; None: what it is, or a tenth of m, rad or m/s", default=None, gt=0.0
     )
     tied: Mapping[str, float] = option(
         "Other numbers that follow it, by name without the scope, each with a power p: where this one is k times what "

@@ -179,8 +179,7 @@ class Operation:
         "V", "V of (4), by which the power meter's current becomes power; needed beside a meter", gt=0.0, default=None
     )
     estimator: Literal["filter", "kinematics"] = option(
-        "what says where the robot is; kinematics, as in the paper, bridges no drop-out; in space it is always taken",
-        default="filter",
+        "what says where the robot is; kinematics, always taken in space, bridges no drop-out", default="filter"
     )
     connection: Connection = option("where the devices are", default_factory=Connection)
     tank: CaptureVolume = option("where the path is in the tank", default_factory=CaptureVolume)

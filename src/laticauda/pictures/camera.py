@@ -41,8 +41,7 @@ class Film:
     begin: float | None = quantity("s", "Time of the trial at which it begins; its start if left out", default=None)
     end: float | None = quantity("s", "The same of its end", default=None)
     camera: Camera = option(
-        "`follow` turns with the robot, `side` is level beside it, `top` above it, `fixed` stands still and sees all",
-        default="follow",
+        "`follow` turns with it, `side` is level beside it, `top` above it, `fixed` sees all", default="follow"
     )
 
     def span(self, trial: Trial) -> tuple[float, float]:

@@ -32,30 +32,21 @@ class Water:
     added_inertia: float = quantity("", "C_M, added moment of inertia; not with `strip`", ge=0.0, default=1.0)
     tangential_added_mass: float = quantity("", "Added per displaced mass, along the body", ge=0.0, default=0.0)
     friction_taper: float = quantity(
-        "",
-        "Drag along the links from 1 + taper at the tail end to 1 - taper at the head end, times C_f",
-        ge=-1.0,
-        le=1.0,
-        default=0.0,
+        "", "C_f from 1 + taper times it at the tail end to 1 - taper at the head end", ge=-1.0, le=1.0, default=0.0
     )
     drag: DragLaw = option("How the drag depends on the speed: a law with numbers of its own", default=PolynomialDrag())
     added_mass_form: Literal["relative", "kirchhoff", "classic"] = option(
-        "`relative` is the paper's; `kirchhoff` keeps energy and momentum; `classic` is for comparison only",
-        default="relative",
+        "`relative`, the paper's; `kirchhoff`, which keeps energy; `classic`, for comparison only", default="relative"
     )
     rotational: Literal["paper", "strip"] = option(
-        "Torque on a rotating link: the `paper`'s coefficients, or normal loads summed along the link (`strip`)",
-        default="paper",
+        "Torque of a link: by the `paper`'s coefficients, or by normal loads along it (`strip`)", default="paper"
     )
     trailing_edge: Literal["none", "elongated"] = option(
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
     current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
     depth: float | None = quantity(
-        "m",
-        "Of the body's axis; far below the surface if left out (a flow in the plane is then that at the surface)",
-        gt=0.0,
-        default=None,
+        "m", "Of the body's axis; left out: far below the surface, where flows are as at it", gt=0.0, default=None
     )
 
     former: ClassVar[Mapping[str, str]] = {
