@@ -353,9 +353,8 @@ def _table(thing: Any) -> Table:
 def _counted(things: Sequence[Any], cycled: tuple[str, ...]) -> list[Table]:
     """One entry per run of things that are alike but for what their class lists as going through in turn."""
     entries: list[Table] = []
-    for _, group in groupby(
-        things, key=lambda thing: replace(thing, **{key: getattr(things[0], key) for key in cycled})
-    ):
+    first = {key: getattr(things[0], key) for key in cycled}
+    for _, group in groupby(things, key=lambda thing: replace(thing, **first)):
         run = list(group)
         for start in range(0, len(run), MOST_COUNTED):
             part = run[start : start + MOST_COUNTED]

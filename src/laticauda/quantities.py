@@ -269,9 +269,8 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
         declared = numbers.get(field.name)
         low, high = math.inf, -math.inf  # nothing is within
         hint = hints[field.name]
-        if declared is not None and (
-            hint is float or (get_origin(hint) is types.UnionType and float in get_args(hint))
-        ):
+        among = get_args(hint) if get_origin(hint) is types.UnionType else (hint,)
+        if declared is not None and float in among:
             low, high = declared.ends
             high = math.inf if field.default == math.inf else high
         own = field.metadata.get("check")

@@ -74,9 +74,8 @@ def plan(problem: "ModelPredictive", given: Given, begin: Array | None) -> Plan:
     stats = solver.stats()
     is_solved = bool(stats["success"]) and bool(np.all(np.isfinite(unknowns)))
     states, commands = np.split(unknowns, [_N_STATES * n])
-    return Plan(
-        commands.reshape(n, _N_COMMANDS), states.reshape(n, _N_STATES), unknowns, is_solved, int(stats["iter_count"])
-    )
+    each = commands.reshape(n, _N_COMMANDS), states.reshape(n, _N_STATES)
+    return Plan(*each, unknowns, is_solved, int(stats["iter_count"]))
 
 
 @cache
@@ -108,9 +107,8 @@ def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array
     quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "show_eval_warnings": False}
     effort = {"ipopt.max_iter": problem.iterations, "ipopt.tol": 1e-4, "ipopt.mu_init": 1e-2}
     warm = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_strategy": "monotone"}
-    solver = casadi.nlpsol(
-        "plan", "ipopt", {"x": unknowns, "p": parameters, "f": cost, "g": rules}, quiet | effort | warm
-    )
+    stated = {"x": unknowns, "p": parameters, "f": cost, "g": rules}
+    solver = casadi.nlpsol("plan", "ipopt", stated, quiet | effort | warm)
     free = np.full(_N_STATES * n, np.inf)
     low = np.concatenate([-free, np.tile([problem.frequencies[0], -problem.max_offset], n)])
     high = np.concatenate([free, np.tile([problem.frequencies[1], problem.max_offset], n)])

@@ -92,9 +92,8 @@ def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
         port = {"port": connection.can_port} if connection.can_interface == "udp_multicast" else {}
         address = protocol.BusAddress(interface=connection.can_interface, channel=connection.can_channel, **port)
         can = stack.enter_context(CanDriver(address, clock))
-        mocap = stack.enter_context(
-            MocapDriver(connection.mocap_host, connection.mocap_port, connection.mocap_body, clock)
-        )
+        cameras = connection.mocap_host, connection.mocap_port, connection.mocap_body
+        mocap = stack.enter_context(MocapDriver(*cameras, clock))
         meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None
         yield Wired(clock=clock, can=can, mocap=mocap, meter=meter)
 

@@ -187,10 +187,8 @@ def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
         qpos = plant.data(state).qpos
         turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
         first = 3 if plant.settings.root == "planar" else 7  # behind the robot's may be what moves in its scene
-        angles = qpos[first:][: len(robot.joints) + len(robot.fin_joints)]
-        return Posture(
-            seen.center_of_mass, turned, angles[: robot.n_joints], angles[robot.n_joints :], float(seen.time)
-        )
+        angles, n = qpos[first:][: len(robot.joints) + len(robot.fin_joints)], robot.n_joints
+        return Posture(seen.center_of_mass, turned, angles[:n], angles[n:], float(seen.time))
     assert isinstance(plant, PlanarPlant)
     fin = [state.values[rows.LOG_STATE + plant.layout.tail_link - 1 - k] for k in robot.fin_joints]
     height = swimming_height(robot, plant.environment)

@@ -54,10 +54,8 @@ def swim_each(
             parts = one.robot, one.environment, one.model
             if not all(part is kept for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)):
                 own.plant, own.parts = plant(one), parts
-            every = one.sample_interval
-            return use(
-                run(own.plant, one.controller, one.duration, start=one.start, sample_interval=every, progress=watch)
-            )
+            begin, every = one.start, one.sample_interval
+            return use(run(own.plant, one.controller, one.duration, start=begin, sample_interval=every, progress=watch))
         except BadArgument as bad:
             raise BadArgument(f"scenarios[{i}].{bad.name}".rstrip("."), bad.rule) from bad
         except Exception as error:

@@ -62,9 +62,8 @@ def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, we
         if e.body.startswith("module_") and e.shape == "cylinder":
             e = replace(e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground))
         elif k in plates and robot.caudal_fin is not None:
-            e = replace(
-                e, contact=contact(robot.caudal_fin.mass * 2.0 * e.half_size[0] / robot.caudal_fin.length, ground)
-            )
+            fin = robot.caudal_fin
+            e = replace(e, contact=contact(fin.mass * 2.0 * e.half_size[0] / fin.length, ground))
         found.append(e)
     return tuple(found)
 
