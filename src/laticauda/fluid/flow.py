@@ -27,7 +27,8 @@ from laticauda.formulas import Formula, Law
 from laticauda.quantities import DEGREES, option, quantities_of, quantity, value
 
 FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
-    "turbulence": "laticauda.fluid.turbulence"
+    "waves": "laticauda.fluid.waves",
+    "turbulence": "laticauda.fluid.turbulence",
 }
 """Where the flows are that come with the package; they are imported when one is named."""
 
@@ -130,6 +131,10 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
         """Its velocity, if that is the same everywhere at all times [m/s]."""
         return None
 
+    def at_height(self, z: float) -> "Flow":
+        """The same at one height [m], where it is asked for at no other: a part may be cheaper there."""
+        return self
+
     def __add__(self, other: "Flow") -> "Sum":
         """Both at once."""
         return Sum(flows=(*getattr(self, "flows", (self,)), *getattr(other, "flows", (other,))))
@@ -200,7 +205,7 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
         kind, told = cast("type[Any]", type(self)), list[str]()
         for name, one in quantities_of(kind).items():
             numbers, in_degrees = np.atleast_1d(getattr(self, name)), one.unit in DEGREES
-            if numbers.dtype != object and numbers.any():  # neither None nor 0
+            if numbers.dtype != object and numbers.any() and np.isfinite(numbers).all():  # neither None nor 0 nor far
                 listed = ", ".join(f"{math.degrees(x) if in_degrees else x:g}" for x in numbers.tolist())
                 unit = (one.in_degrees if in_degrees else one).unit
                 told.append(f"{name.replace('_', ' ')} {f'({listed})' if numbers.size > 1 else listed} {unit}".rstrip())
@@ -220,7 +225,7 @@ class Steady(Flow):
         return self.u, self.v, self.w, *(0.0,) * 13
 
     @property
-    def constant(self) -> tuple[float, float, float]:
+    def constant(self) -> tuple[float, float, float] | None:
         """Its velocity [m/s]."""
         return self.u, self.v, self.w
 
@@ -292,14 +297,16 @@ class Rows(NamedTuple):
     """For each kind how many parts there are, then the numbers of each."""
 
 
-def rows_of(flow: Flow) -> Rows:
+def rows_of(flow: Flow, height: float | None = None) -> Rows:
     """A flow as the kernels take it.
 
     Args:
         flow: Which.
+        height: At which alone it is asked for [m]; None: at any.
     """
     kinds: dict[Any, list[Flow]] = {}
     for part in flow.parts:
+        part = part if height is None else part.at_height(height)
         kinds.setdefault((type(part), getattr(part, "function", None)), []).append(part)
     numbers = [one for parts in kinds.values() for one in (len(parts), *chain(*(part.numbers for part in parts)))]
     formulas = tuple(parts[0].moving for parts in kinds.values())

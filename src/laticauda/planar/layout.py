@@ -8,24 +8,13 @@ from typing import NamedTuple, TypeVar, cast
 import numpy as np
 from jaxtyping import Float, Int
 
+from laticauda import robot as robots
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.dynamics.plant import joint_table
 from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Rows, rows_of
 from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
-from laticauda.robot import (
-    CaudalFin,
-    Environment,
-    Ground,
-    Module,
-    PectoralFin,
-    Piece,
-    Robot,
-    Thruster,
-    Water,
-    law_of,
-)
 
 Thing = TypeVar("Thing")
 
@@ -80,8 +69,8 @@ class _Body:
 
 
 def layout(
-    robot: Robot,
-    environment: Environment,
+    robot: robots.Robot,
+    environment: robots.Environment,
     *,
     joints: JointLaw | None = None,
     fin_as_links: bool = False,
@@ -124,7 +113,7 @@ def layout(
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers
     S[rows.FLOW] = S.size
-    wake = isinstance(environment, Water) and environment.trailing_edge != "none"
+    wake = isinstance(environment, robots.Water) and environment.trailing_edge != "none"
     pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
         template=np.concatenate((S, flow)),
@@ -143,7 +132,7 @@ def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
 
 
 def _links_and_fin(
-    robot: Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
+    robot: robots.Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
 ) -> tuple[list[_Body], list[_Body]]:
     """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
@@ -157,7 +146,7 @@ def _links_and_fin(
     return links, fin
 
 
-def _fin_bodies(fin: CaudalFin, strips: Coefficients, joints: int, *, as_links: bool) -> list[_Body]:
+def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int, *, as_links: bool) -> list[_Body]:
     """Cut the fin at its hinges, none of which cuts a strip, or at all strips; `joints` is the law of a driven root."""
     middle = -strips.position
     pieces = fin.pieces
@@ -180,7 +169,7 @@ def _fin_bodies(fin: CaudalFin, strips: Coefficients, joints: int, *, as_links: 
     return bodies
 
 
-def _cut(piece: Piece, edges: np.ndarray) -> Iterator[Piece]:
+def _cut(piece: robots.Piece, edges: np.ndarray) -> Iterator[robots.Piece]:
     """A piece in parts, cut where strips begin inside it."""
     inside = edges[(edges > piece.begin + 1e-9) & (edges < piece.end - 1e-9)]
     ends = [piece.begin, *map(float, inside), piece.end]
@@ -203,14 +192,14 @@ def _fold(tail: _Body, piece: _Body) -> None:
 
 
 def _write_environment(
-    S: np.ndarray, environment: Environment, robot: Robot, joints: JointLaw, *, folded: bool
+    S: np.ndarray, environment: robots.Environment, robot: robots.Robot, joints: JointLaw, *, folded: bool
 ) -> None:
     S[rows.OWN_VELOCITY] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.ACTIVE_POWER] = robot.active_power or 0.0
-    for first, numbers in ((rows.LAW, law_of(environment).numbers), (rows.JOINT_LAW, joints.numbers)):
+    for first, numbers in ((rows.LAW, robots.law_of(environment).numbers), (rows.JOINT_LAW, joints.numbers)):
         S[first : first + len(numbers)] = numbers
-    if isinstance(environment, Ground):
+    if isinstance(environment, robots.Ground):
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
@@ -226,11 +215,11 @@ def _write_environment(
         S[rows.WAKE_POSITION] = -robot.caudal_fin.length if robot.caudal_fin and folded else 0.0
 
 
-def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: Environment) -> None:
+def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: robots.Environment) -> None:
     """Masses and added masses of the bodies about their tail ends; their own drag at their middles."""
     length, mass, moment, rigid = np.array([_solid(body) for body in bodies]).T
     mu_t, mu_n, moment_t, moment_n, added = np.array([_added_mass(body) for body in bodies]).T
-    classic = isinstance(environment, Water) and environment.added_mass_form == "classic"
+    classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
     for row, values in (
         (rows.LENGTH, length),
@@ -270,14 +259,15 @@ def _own_loads(body: _Body) -> tuple[float, ...]:
     return tuple(one.item(i) for one in (w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
 
 
-def flow_rows(environment: Environment) -> Rows:
+def flow_rows(environment: robots.Environment) -> Rows:
     """The flow of the water as the kernels see it; of the ground or of water that moves as one, nothing.
 
     Args:
         environment: The water or the ground.
     """
-    flow = environment.flow if isinstance(environment, Water) else None
-    return Rows() if flow is None else rows_of(flow)
+    if not isinstance(environment, robots.Water) or environment.flow is None:
+        return Rows()
+    return rows_of(environment.flow, -(environment.depth or 0.0))
 
 
 def _added_mass(body: _Body) -> tuple[float, ...]:
@@ -297,7 +287,7 @@ def _added_mass(body: _Body) -> tuple[float, ...]:
     return mu_t, mu_n, moment_t, moment_n, inertia
 
 
-def write_effectors(S: np.ndarray, robot: Robot, environment: Environment, *, first_link: int) -> None:
+def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Environment, *, first_link: int) -> None:
     """Write the rows of thrusters and pectoral fins.
 
     Args:
@@ -320,7 +310,7 @@ def write_effectors(S: np.ndarray, robot: Robot, environment: Environment, *, fi
     records[:, [rows.THRUST_T, rows.THRUST_N, rows.THRUST_MOMENT]] = 0.0
     for thruster in robot.thrusters:
         _add_thruster(records[thruster.link], robot, thruster.link, thruster)
-    half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
+    half_density = 0.5 * environment.density if isinstance(environment, robots.Water) else 0.0
     plates = sorted(robot.pectoral_fins, key=lambda plate: plate.link)
     for record, plate in zip(
         S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS), plates, strict=True
@@ -328,7 +318,7 @@ def write_effectors(S: np.ndarray, robot: Robot, environment: Environment, *, fi
         record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
 
 
-def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruster) -> None:
+def _add_thruster(record: np.ndarray, robot: robots.Robot, link: int, thruster: robots.Thruster) -> None:
     along, across = thruster.thrust * np.cos(thruster.angle), thruster.thrust * np.sin(thruster.angle)
     x = robot.modules[link].length / 2.0 + thruster.x
     record[[rows.THRUST_T, rows.THRUST_N]] += along, across
@@ -336,7 +326,7 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
 
 
 def _write_joints(
-    records: np.ndarray, robot: Robot, fin: Sequence[_Body], joints: JointLaw
+    records: np.ndarray, robot: robots.Robot, fin: Sequence[_Body], joints: JointLaw
 ) -> Int[np.ndarray, " n_bodies"]:
     """Numbers of the joint at the tail end of every body; returns their laws."""
     table = joint_table(robot, joints)
@@ -350,7 +340,7 @@ def _write_joints(
     return law
 
 
-def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> tuple[float, ...]:
+def _plate_numbers(plate: robots.PectoralFin, module: robots.Module, half_density: float) -> tuple[float, ...]:
     """The rows of a pectoral fin."""
     place = plate.x + module.length / 2.0, plate.y, plate.angle + plate.deflection
     shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag

@@ -77,19 +77,14 @@ def places(S, n):
 def put_water(S, b, x, y, found):
     """How the water moves at a place on body b, in five rows: velocity and acceleration in link axes, rotation."""
     c, s = S[b + COS], S[b + SIN]
+    first = int(first_lane(S[FLOW].real))  # of the flow's rows, the same in all lanes
     place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
-    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(motion(S, first_row(S), place_x, place_y, S[HEIGHT], S[TIME]))
+    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(motion(S, first, place_x, place_y, S[HEIGHT], S[TIME]))
     S[found] = c * u + s * v
     S[found + 1] = c * v - s * u
     S[found + 2] = c * a_x + s * a_y
     S[found + 3] = c * a_y - s * a_x
     S[found + 4] = spin
-
-
-@kernel
-def first_row(S):
-    """Where the flow's numbers begin, the same in all lanes."""
-    return int(first_lane(S[FLOW].real))
 
 
 @kernel
@@ -168,18 +163,12 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
         S[b + EXTRA_N] = S[b + THRUST_N]
         S[b + EXTRA_MOMENT] = S[b + THRUST_MOMENT]
         for e in range(first_strip[i], first_strip[i + 1]):
-            strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
+            add_extra(S, b, element_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION))
             strip_inertia(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
         for e in range(first_plate[i], first_plate[i + 1]):
             plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
     tether(S, H + tail_link * BODY_ROWS)
     trailing_edge(S)
-
-
-@kernel
-def strip_drag(S, b, e):
-    """Drag of one strip, rigid on body b at its own distance from the tail end."""
-    add_extra(S, b, element_drag(S, b, e + STRIP_POSITION))
 
 
 @kernel
@@ -201,17 +190,14 @@ def add_extra(S, b, found):
 @kernel
 def plate_load(S, b, e):
     """Lift and drag of one pectoral fin mounted on body b."""
-    x = S[e + PLATE_X]
-    y = S[e + PLATE_Y]
+    x, y = S[e + PLATE_X], S[e + PLATE_Y]
     v_t, v_n, _ = through_water(S, b, x, e + PLATE_WATER)
     v_t -= y * S[b + LINK_RATE]
     s, c = sincos(S[e + PLATE_ANGLE])
     f_chord, f_normal = plate_law(c * v_t + s * v_n, c * v_n - s * v_t, *plate_numbers(S, e))
     f_t = c * f_chord - s * f_normal
     f_n = s * f_chord + c * f_normal
-    S[b + EXTRA_T] += f_t
-    S[b + EXTRA_N] += f_n
-    S[b + EXTRA_MOMENT] += x * f_n - y * f_t
+    add_extra(S, b, (f_t, f_n, x * f_n - y * f_t))
 
 
 @kernel
@@ -232,9 +218,7 @@ def trailing_edge(S):
     u, w, _ = through_water(S, b, x, WAKE_WATER)
     shed = where(u.real > 0.0, S[WAKE_MASS], 0.0 * u)
     f_n = -shed * u * w
-    S[b + EXTRA_T] += 0.5 * shed * w * w
-    S[b + EXTRA_N] += f_n
-    S[b + EXTRA_MOMENT] += x * f_n
+    add_extra(S, b, (0.5 * shed * w * w, f_n, x * f_n))
 
 
 @kernel
@@ -252,7 +236,7 @@ def body_forces(S, n, first_strip, force):
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for e in range(first_strip[i], first_strip[i + 1]):
-            strip_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
+            add_extra(S, b, element_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION))
         f_t, f_n, _ = element_drag(S, b, b + CENTER)
         put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
         extra_t -= S[b + EXTRA_T]

@@ -6,6 +6,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
+from laticauda import robot as robots
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, instance, nearest, one_of
 from laticauda.extensions import name_of
@@ -13,24 +14,6 @@ from laticauda.formulas import Law
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import (
-    TEXTBOOK,
-    Current,
-    Environment,
-    Parameters,
-    Robot,
-    Scene,
-    Water,
-    current_of,
-    from_toml,
-    ground_names,
-    load_ground,
-    load_parameters,
-    load_robot,
-    load_water,
-    textbook_of,
-    water_names,
-)
 from laticauda.robot.files import find
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
 
@@ -51,7 +34,7 @@ class ModelChanges(TypedDict, total=False):
     root: Literal["free", "planar"] | str | None
     gravity: bool | None
     ballast_depth: float
-    scene: Scene | Callable[[Any], None] | str | None
+    scene: robots.Scene | Callable[[Any], None] | str | None
     rays: tuple[float, ...]
 
 
@@ -62,14 +45,16 @@ class Changes(ModelChanges, total=False):
     environment's default is `default_water` of robot and gait; a current takes the place of the water's own.
     """
 
-    environment: Environment | str | Path | None
-    current: Current | str | None
+    environment: robots.Environment | str | Path | None
+    current: robots.Current | str | None
     model: Model | str
     start: Start | None
     sample_interval: float
 
 
-def scenario(robot: Robot | str | Path, motion: Motion, duration: float = 30.0, **changes: Unpack[Changes]) -> Scenario:
+def scenario(
+    robot: robots.Robot | str | Path, motion: Motion, duration: float = 30.0, **changes: Unpack[Changes]
+) -> Scenario:
     """A scenario from a robot, a motion and what differs from the defaults.
 
     Args:
@@ -90,12 +75,12 @@ def scenario(robot: Robot | str | Path, motion: Motion, duration: float = 30.0, 
     given = {name: one for name, one in changes.items() if one is not None}
     own: dict[str, Any] = {name: given.pop(name) for name in ("start", "sample_interval") if name in given}
     environment, kind = given.pop("environment", None), cast(Any, given.pop("model", "planar"))
-    moving = {"current": current_of(given.pop("current"))} if "current" in given else {}
+    moving = {"current": robots.current_of(given.pop("current"))} if "current" in given else {}
     instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
-    body = load_robot(robot) if isinstance(robot, str | Path) else robot
+    body = robots.load_robot(robot) if isinstance(robot, str | Path) else robot
     where = default_water(body, gait) if environment is None else _environment(environment, body)
-    if moving and not isinstance(where, Water):
+    if moving and not isinstance(where, robots.Water):
         raise BadArgument("current", "must be given with a Water only, which can move")
     return Scenario(
         robot=body,
@@ -133,7 +118,7 @@ def model_of(model: Model | str, **changes: Any) -> Model:
     return replace(base, **changes) if changes else base
 
 
-def default_water(robot: Robot, gait: Gait | None = None) -> Water:
+def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water:
     """The water that nobody has named: the textbook's for a robot's shape, and for Mamba the paper's for the gait.
 
     Args:
@@ -141,13 +126,13 @@ def default_water(robot: Robot, gait: Gait | None = None) -> Water:
         gait: What its joints do; the paper identified coefficients for each kind, and None has those of lateral
             undulation.
     """
-    instance("robot", robot, Robot)
+    instance("robot", robot, robots.Robot)
     if robot.name not in MAMBA:
-        return textbook_of(robot)
+        return robots.textbook_of(robot)
     return preset_water("paper-eel" if gait is not None and isinstance(gait.envelope, EelLike) else "paper-lateral")
 
 
-def water_for(robot: Robot, name: str | None, gait: Gait | None = None) -> Water:
+def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -> robots.Water:
     """The water of a name, or the default.
 
     Args:
@@ -158,19 +143,23 @@ def water_for(robot: Robot, name: str | None, gait: Gait | None = None) -> Water
     Raises:
         RobotFileError: If there is none of that name, or its file is wrong.
     """
-    return default_water(robot, gait) if name is None else load_water(name, robot)
+    return default_water(robot, gait) if name is None else robots.load_water(name, robot)
 
 
-preset_water = functools.cache(load_water)
+preset_water = functools.cache(robots.load_water)
 
 
-def _environment(given: object, robot: Robot) -> Any:
+def _environment(given: object, robot: robots.Robot) -> Any:
     """A water or ground by its name or path; anything else as it is, for the scenario to check."""
     if not isinstance(given, str | Path):
         return given
-    if str(given) in ground_names():
-        return load_ground(given)
-    return load_water(given, robot) if str(given) in (*water_names(), TEXTBOOK) else from_toml(find(given, "water"))
+    if str(given) in robots.ground_names():
+        return robots.load_ground(given)
+    return (
+        robots.load_water(given, robot)
+        if str(given) in (*robots.water_names(), robots.TEXTBOOK)
+        else robots.from_toml(find(given, "water"))
+    )
 
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
@@ -185,9 +174,9 @@ ORIGINS = {
 class Chosen(NamedTuple):
     """What names stand for."""
 
-    robot: Robot
+    robot: robots.Robot
     """What swims, with the numbers of the parameters."""
-    environment: Environment
+    environment: robots.Environment
     """Where."""
     model: Model
     """By which model."""
@@ -229,7 +218,7 @@ class Choice:
             if self.ground is not None and getattr(self, name) is not None:
                 raise BadArgument(name, "must not be given with `ground`: it belongs to water")
 
-    def resolved(self, gait: Gait, find_robot: Callable[[str, int | None], Robot] = load_robot) -> Chosen:
+    def resolved(self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot) -> Chosen:
         """What the names stand for.
 
         Args:
@@ -241,7 +230,7 @@ class Choice:
             RobotFileError: If a file is wrong.
         """
         robot = find_robot(self.robot, self.n_links)
-        parameters = None if self.parameters is None else load_parameters(self.parameters)
+        parameters = None if self.parameters is None else robots.load_parameters(self.parameters)
         joints = self.joints or (None if parameters is None else parameters.joints) or "prescribed"
         environment, origin = self._environment(robot, gait, parameters)
         if parameters is not None:
@@ -249,19 +238,21 @@ class Choice:
         scene = {} if self.scene is None else {"scene": self.scene}
         return Chosen(robot, environment, model_of(self.model, joints=joints, **scene), origin)
 
-    def _environment(self, robot: Robot, gait: Gait, parameters: Parameters | None) -> tuple[Environment, str]:
+    def _environment(
+        self, robot: robots.Robot, gait: Gait, parameters: robots.Parameters | None
+    ) -> tuple[robots.Environment, str]:
         if self.ground is not None:
-            return load_ground(self.ground), "as asked for"
+            return robots.load_ground(self.ground), "as asked for"
         if parameters is not None:
             return parameters.water(gait.kind), f"as {self.parameters} says"
         water = water_for(robot, self.water, gait)
-        if water.name == TEXTBOOK:
+        if water.name == robots.TEXTBOOK:
             return water, "from tables, for this robot's shape; nothing fitted"
         otherwise = f"{ORIGINS['lateral_undulation']}, in want of others for this gait"
         return water, ORIGINS.get(gait.kind, otherwise) if self.water is None else "as asked for"
 
 
-def named_after(changed: Water, before: Water) -> Water:
+def named_after(changed: robots.Water, before: robots.Water) -> robots.Water:
     """A water whose name says in what it differs from the one before.
 
     Args:

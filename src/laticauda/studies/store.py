@@ -28,20 +28,10 @@ from laticauda.errors import BadArgument, one_of, whole
 from laticauda.extras import optional_import
 from laticauda.files import read_text, write
 from laticauda.simulate.numbers import parameters
+from laticauda.studies import trials
 from laticauda.studies.folder import as_stored, check_same, owned, storage
 from laticauda.studies.sampling import Grid
 from laticauda.studies.sweep import Regions, Sweep, extent
-from laticauda.studies.trials import (
-    COSTS,
-    FIGURES,
-    QUANTITIES,
-    Column,
-    Progress,
-    Table,
-    attributes_of,
-    silent,
-    swim_points,
-)
 
 if TYPE_CHECKING:
     import xarray
@@ -73,7 +63,7 @@ class Store:
         """Numbers of the regions that are still to come, in rising order."""
         return np.flatnonzero(~self.done).tolist()
 
-    def write(self, index: int, table: Table, found: Mapping[str, Column]) -> None:
+    def write(self, index: int, table: trials.Table, found: Mapping[str, trials.Column]) -> None:
         """Store a region, then mark it.
 
         Args:
@@ -154,7 +144,7 @@ def open_sweep(folder: str | Path) -> xarray.Dataset:
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
     done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
     dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
-    dataset = dataset[[name for name in QUANTITIES if name in dataset]]  # in our order; older ones have fewer
+    dataset = dataset[[name for name in trials.QUANTITIES if name in dataset]]  # in our order; older ones have fewer
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
@@ -203,7 +193,8 @@ def _definition(path: Path) -> dict[str, Any] | None:
 def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
     """The arrays that have a chunk per region: unit, title and what stands in it before."""
     found: dict[str, tuple[str, str, Any]] = {
-        name: (unit, title, False if name == "succeeded" else np.nan) for name, (unit, title) in QUANTITIES.items()
+        name: (unit, title, False if name == "succeeded" else np.nan)
+        for name, (unit, title) in trials.QUANTITIES.items()
     }
     if not isinstance(sweep.points, Grid):
         known = parameters(sweep.scenario)
@@ -214,7 +205,7 @@ def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
 def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
     """Make the empty arrays, and last the marks: without them the folder counts as not yet made."""
     shutil.rmtree(path / RESULTS, ignore_errors=True)
-    attributes: dict[str, Any] = {"title": "Sweep", **attributes_of(sweep.scenario)}
+    attributes: dict[str, Any] = {"title": "Sweep", **trials.attributes_of(sweep.scenario)}
     if not isinstance(sweep.points, Grid):
         attributes["coordinates"] = " ".join(sweep.points.names)
     group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
@@ -247,7 +238,7 @@ def run_sweep(
     sweep: Sweep,
     folder: str | Path,
     *,
-    progress: Progress | None = None,
+    progress: trials.Progress | None = None,
     client: Any = None,
     threads: int | None = None,
     region_size: int | None = None,
@@ -282,7 +273,7 @@ def run_sweep(
     if threads is not None:
         whole("threads", threads, 1)
     with opened(folder, sweep, region_size=region_size, resume=resume) as store:
-        tell = progress or silent
+        tell = progress or trials.silent
         tell(store.n_done, sweep.n_trials)
         pending = store.pending()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
@@ -306,9 +297,9 @@ def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5)
     Raises:
         ValueError: If there is no such quantity, or no sweep in the folder.
     """
-    one_of("quantity", quantity, FIGURES)
+    one_of("quantity", quantity, trials.FIGURES)
     whole("count", count, 1)
-    sign = 1.0 if quantity in COSTS else -1.0
+    sign = 1.0 if quantity in trials.COSTS else -1.0
     dataset, regions = open_sweep(folder), regions_of(folder)
     values = dataset[quantity].variable
     ranked: list[tuple[float, tuple[int, ...]]] = []
@@ -338,12 +329,12 @@ def count_failed(folder: str | Path) -> int:
 
 def _results(
     sweep: Sweep, regions: Regions, pending: list[int], client: Any, threads: int | None
-) -> Generator[tuple[int, Table, dict[str, Column]]]:
+) -> Generator[tuple[int, trials.Table, dict[str, trials.Column]]]:
     """What the pending regions come to, in the order in which they are done."""
     tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
     if client is None:
         for index, table in tables:
-            yield index, table, swim_points(sweep.scenario, sweep.points.names, table, threads)
+            yield index, table, trials.swim_points(sweep.scenario, sweep.points.names, table, threads)
     else:
         from laticauda.studies.cluster import swim_on
 
@@ -351,5 +342,5 @@ def _results(
 
 
 def _point(dataset: Any, place: tuple[int, ...]) -> dict[str, float]:
-    point = dataset.isel(dict(zip(dataset[FIGURES[0]].dims, place, strict=True)))
-    return {str(name): float(point[name]) for name in (*point.coords, *FIGURES) if name in point}
+    point = dataset.isel(dict(zip(dataset[trials.FIGURES[0]].dims, place, strict=True)))
+    return {str(name): float(point[name]) for name in (*point.coords, *trials.FIGURES) if name in point}

@@ -1,0 +1,174 @@
+"""Waves of small steepness on water of any depth (Airy).
+
+The surface is at eta = a cos(theta), theta = k . x - omega t + phase, with omega^2 = g k tanh(k d); below it the
+velocity is a omega cosh k(z + d) / sinh kd along the wave, in phase with the surface, and a omega sinh k(z + d) / sinh
+kd upward, a quarter of a period ahead. This holds up to the mean level; above it, in the crests, all is as at the mean
+level, and below the bed all is as at the bed.
+"""
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from laticauda.errors import BadArgument
+from laticauda.fluid.flow import Flow
+from laticauda.quantities import hints_of, quantity, value
+from laticauda.scalars import where
+
+GRAVITY = 9.81  # m/s^2
+STEEPEST = 0.142  # height by length, times tanh kd, at which waves break (Miche's limit)
+DEEP = 300.0  # k d beyond which water is as good as bottomless, and exp(k d) is a number yet
+
+
+@value
+class _Level(Flow):
+    """One wave at one height."""
+
+    k_x: float = quantity("1/m", "Wave number along x")
+    k_y: float = quantity("1/m", "Along y")
+    omega: float = quantity("rad/s", "Frequency")
+    phase: float = quantity("rad", "Of the crest")
+    amplitude: float = quantity("m", "Of the surface")
+    along_x: float = quantity("m/s", "Amplitude of u")
+    along_y: float = quantity("m/s", "Of v")
+    upward: float = quantity("m/s", "Of w")
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """The same at all heights."""
+        return moved(self, x, y, t, 1.0, 1.0)
+
+
+@value
+class _Wave(_Level):
+    """One wave at any height; its amplitudes are those at the mean level."""
+
+    k: float = quantity("1/m", "Wave number")
+    bed: float = quantity("", "k d, how deep the bed is")
+    echo: float = quantity("", "exp(-2 k d), what it sends back")
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """As at the mean level above it, as at the bed below that."""
+        return moved(self, x, y, t, *shares(self, z))
+
+    def at_height(self, z: float) -> Flow:
+        """With its amplitudes there as numbers."""
+        along, upward = shares(self, z)
+        share = {"along_x": along, "along_y": along, "upward": upward}
+        return _Level(**{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)})
+
+
+def shares(wave: _Wave, z: float) -> tuple[float, float]:
+    """The amplitudes of the velocity along a wave, and upward, by those at the mean level.
+
+    Args:
+        wave: Which.
+        z: Height above the mean level [m].
+    """
+    depth = wave.k * where(z.real < 0.0, -z, 0.0 * z)
+    growing = np.exp(-where(depth.real < wave.bed.real, depth, wave.bed + 0.0 * z))
+    falling = wave.echo / growing
+    return (growing + falling) / (1.0 + wave.echo), (growing - falling) / (1.0 - wave.echo)
+
+
+def moved(wave: Any, x: float, y: float, t: float, along: float, upward: float) -> tuple[float, ...]:
+    """The motion of the water in one wave.
+
+    Args:
+        wave: Which.
+        x: World axes [m].
+        y: The same [m].
+        t: Time [s].
+        along: Share of its amplitudes of u and v that are there.
+        upward: Of w.
+    """
+    k_x, k_y, omega = wave.k_x, wave.k_y, wave.omega
+    theta = k_x * x + (k_y * y + (wave.phase - omega * t))
+    c, s = np.cos(theta), np.sin(theta)
+    along_x, along_y, upward = along * wave.along_x, along * wave.along_y, upward * wave.upward
+    p, q, r = along_x * s, along_y * s, upward * c
+    slopes = -k_x * p, -k_y * p, k_x * r, -k_x * q, -k_y * q, k_y * r, k_x * r, k_y * r, k_x * p + k_y * q
+    return along_x * c, along_y * c, upward * s, omega * p, omega * q, -omega * r, *slopes, wave.amplitude * c
+
+
+def component(amplitude: float, omega: float, direction: float, phase: float, depth: float) -> _Wave:
+    """One wave of a sea.
+
+    Args:
+        amplitude: Of the surface [m].
+        omega: Frequency [rad/s].
+        direction: It moves to, from the x axis [rad].
+        phase: Of the crest at the origin, at the start [rad].
+        depth: Of the water, infinite if deep [m].
+    """
+    k = wave_number(omega, depth)
+    bed, (x, y), speed = min(k * depth, DEEP), (math.cos(direction), math.sin(direction)), amplitude * omega
+    along = speed / math.tanh(bed)
+    waves = {"omega": omega, "phase": phase, "amplitude": amplitude, "k_x": k * x, "k_y": k * y}
+    speeds = {"along_x": along * x, "along_y": along * y, "upward": speed}
+    return _Wave(**waves, **speeds, k=k, bed=bed, echo=math.exp(-2.0 * bed))
+
+
+def wave_number(omega: float, depth: float) -> float:
+    """k of waves of a frequency: omega^2 = g k tanh kd, by Newton's rule, to rounding.
+
+    Args:
+        omega: Frequency [rad/s].
+        depth: Of the water, infinite if deep [m].
+    """
+    deep = omega**2 / GRAVITY
+    if (a := deep * depth) > DEEP:
+        return deep
+    kd = a / math.sqrt(math.tanh(a))  # Eckart's, within 5 %
+    for _ in range(6):
+        tanh = math.tanh(kd)
+        kd -= (kd * tanh - a) / (tanh + kd * (1.0 - tanh**2))
+    return kd / depth
+
+
+def check_unbroken(name: str, height: float, omega: float, depth: float) -> None:
+    """Refuse waves that are too steep to be.
+
+    Args:
+        name: Of the argument that is their height.
+        height: From trough to crest [m].
+        omega: Frequency [rad/s].
+        depth: Of the water, infinite if deep [m].
+    """
+    k = wave_number(omega, depth)
+    most = STEEPEST * (length := 2.0 * math.pi / k) * math.tanh(k * depth)
+    if height > most:
+        raise BadArgument(name, f"must be <= {most:.4g} m, where waves {length:.4g} m long break, got {height:g}")
+
+
+@value
+class Waves(Flow):
+    """Regular waves of one period, which is given, or follows from their length and the depth."""
+
+    height: float = quantity("m", "H, from trough to crest", gt=0.0, default=0.1)
+    period: float | None = quantity("s", "T; left out: that of the `length`, or 2 s", gt=0.0, default=None)
+    length: float | None = quantity("m", "From crest to crest; left out: that of the `period`", gt=0.0, default=None)
+    depth: float = quantity("m", "d, of the water; left out: deep", gt=0.0, default=math.inf)
+    direction: float = quantity("rad", "They move to, from the x axis, counter-clockwise", default=0.0)
+    phase: float = quantity("rad", "Of the surface at the origin at the start; 0 is a crest", default=0.0)
+
+    def __post_init__(self) -> None:
+        if self.period is not None and self.length is not None:
+            found = 2.0 * math.pi / wave_number(self.omega, self.depth)
+            if abs(self.length - found) > 1e-3 * found:
+                raise BadArgument("length", f"must be {found:.4g} m, that of the period, got {self.length:g}")
+        check_unbroken("height", self.height, self.omega, self.depth)
+
+    @property
+    def omega(self) -> float:
+        """Their frequency [rad/s]."""
+        if self.period is not None or self.length is None:
+            return 2.0 * math.pi / (self.period or 2.0)
+        k = 2.0 * math.pi / self.length
+        return math.sqrt(GRAVITY * k * math.tanh(k * self.depth))
+
+    @cached_property
+    def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """The one wave."""
+        return (component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),)
