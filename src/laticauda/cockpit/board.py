@@ -36,8 +36,9 @@ class Board:
 
     def __init__(self, gui: Any, scene: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
         self._scene, self._live = scene, live
-        ray = lambda event: (event.ray_origin, event.ray_direction)  # noqa: E731
-        self._clicked = events.handler(self._click, then=changed, read=ray)
+        self._clicked = events.handler(
+            self._click, then=changed, read=lambda event: (event.ray_origin, event.ray_direction)
+        )
         self._on = gui.add_checkbox("show the map", False, hint="On a board beside the robot; a click sets the gait")
         self._quantity = gui.add_dropdown("quantity", maps.OF_GAITS)
         self._text = gui.add_markdown("")
