@@ -38,8 +38,8 @@ def test_arrows_and_shades_are_those_of_the_flow_at_the_depth_and_the_end_of_the
     places = np.column_stack((quiver.XY + 0.5 * arrows, np.full(len(arrows), -0.4)))
     velocity = WAVE.velocity(places, 30.0)[:, :2]
     words = next(text.get_text() for text in ax.texts if text.get_text().startswith("water"))
-    assert words == "water at 30 s, 0.4 m deep; 0.2 m/s:"
-    time = float(key.U[0]) / 0.2
+    assert words == "water at 30 s, 0.4 m deep; 0.1 m/s:"
+    time = float(key.U[0]) / 0.1
     assert np.allclose(arrows, velocity * time)
     [image] = [one for one in ax.images if isinstance(one, AxesImage)]
     left, right, _, _ = image.get_extent()
