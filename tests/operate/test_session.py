@@ -54,9 +54,9 @@ def operation(**changes) -> Operation:
     return replace(usual, **changes)
 
 
-def tank(*faults: Fault) -> Tank:
-    robot = lc.load_robot("mamba")
-    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+def tank(*faults: Fault, current: tuple[float, float] = (0.0, 0.0)) -> Tank:
+    robot, water = lc.load_robot("mamba"), replace(lc.load_water("paper-lateral"), current=current)
+    world = VirtualRobot(robot, lc.plant(robot, water, joints="servo"))
     nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
     return Tank(world, LabSettings(seed=1, nodes=nodes), faults)
 
@@ -413,3 +413,18 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
     assert trial.forward_velocity > 0.03
     assert np.linalg.norm(trial.center_of_mass[-1] - tank_.truth.center_of_mass[:2]) < 0.3
     assert lc.load_trial(tmp_path / "session.nc").equals(trial)
+
+
+def test_in_water_that_moves_a_run_begins_only_if_that_is_allowed_and_is_known_as_well():
+    usual = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5, patience=3.0)
+    refused = stepped(Operator(operation=operation(calibration=usual)), carried := tank(current=(0.05, 0.03)))
+    assert "was not still" in refused.failure
+    assert is_limp(carried)
+    swum = tank(current=(0.05, 0.03))
+    state = stepped(Operator(operation=operation(duration=4.0, calibration=replace(usual, still_speed=0.1))), swum)
+    assert not state.failure
+    assert not state.stopped_by
+    assert is_limp(swum)
+    assert state.estimate is not None
+    away = state.estimate.center_of_mass - swum.truth.center_of_mass[:2]
+    assert math.hypot(*away) < 5.0 * state.estimate.center_of_mass_std < 0.05
