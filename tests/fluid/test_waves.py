@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import laticauda as lc
 from laticauda.codec import decode, encode
 from laticauda.fluid.flow import rows_of
-from laticauda.fluid.waves import GRAVITY, STEEPEST, Waves
+from laticauda.fluid.waves import BAND, GRAVITY, STEEPEST, Sea, Waves
 from laticauda.robot import Current, load_robot, load_water
 
 PLACE = st.floats(-3.0, 3.0)
@@ -91,20 +91,54 @@ def test_small_waves_carry_the_water_around_ellipses_of_the_known_half_axes(peri
     assert (across, high) == pytest.approx((0.5e-6 * expected[0], 0.5e-6 * expected[1]), rel=1e-9)
 
 
+@pytest.mark.parametrize("spectrum", ["jonswap", "pierson-moskowitz"])
+def test_a_sea_has_its_significant_height_and_over_seeds_its_spectrum(spectrum):
+    seas = [Sea(significant_height=0.2, peak_period=2.0, spectrum=spectrum, seed=k) for k in range(300)]
+    parts = [part for sea in seas for part in sea.parts]
+    variance = sum(0.5 * part.amplitude**2 for part in parts) / len(seas)
+    assert 4.0 * math.sqrt(variance) == pytest.approx(0.2, rel=1e-12)
+    edges = np.linspace(*BAND, 51) * math.pi
+    found, _ = np.histogram([part.omega for part in parts], edges)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    gamma = 3.3 if spectrum == "jonswap" else 1.0
+    peak = np.exp(-((middle / math.pi - 1.0) ** 2) / (2.0 * np.where(middle > math.pi, 0.09, 0.07) ** 2))
+    density = middle**-5.0 * np.exp(-1.25 * (math.pi / middle) ** 4) * gamma**peak
+    density *= len(parts) / density.sum()
+    assert np.abs(found - density).max() < 0.05 * density.max()
+    assert middle[found.argmax()] == pytest.approx(math.pi, rel=0.08)
+
+
+def test_the_surface_of_a_sea_varies_as_its_significant_height_says_and_is_that_of_its_seed():
+    sea = Sea(significant_height=0.2, peak_period=2.0, seed=5, spread=0.4)
+    t = np.linspace(0.0, 2000.0, 20001)
+    assert 4.0 * np.std(sea.motion(0.0, 0.0, 0.0, t).elevation) == pytest.approx(0.2, rel=0.03)
+    assert sea.parts == Sea(significant_height=0.2, peak_period=2.0, seed=5, spread=0.4).parts
+    assert sea.parts != replace(sea, seed=6).parts
+
+
+@pytest.mark.parametrize("spread", [0.1, 0.5, 1.2])
+def test_the_directions_of_a_sea_have_their_standard_deviation(spread):
+    sea = Sea(components=1000, spread=spread, direction=0.7)
+    turned = [(part.k_x + 1j * part.k_y) / part.k * np.exp(-0.7j) for part in sea.parts]
+    # Circular: sqrt(2 (1 - R)) with R the mean of the cosine.
+    assert math.sqrt(2.0 * (1.0 - np.mean(turned).real)) == pytest.approx(spread, rel=0.1)
+    assert abs(np.mean(turned).imag) < 0.1
+
+
 def test_runs_in_seas_side_by_side_are_those_of_each_alone_and_a_sea_goes_through_files():
     water = replace(load_water("paper-lateral"), depth=0.3)
-    seas = [Waves(height=0.03, direction=0.3 * k, depth=0.9) + Waves(height=0.05, period=1.5) for k in range(3)]
+    seas = [Sea(significant_height=0.05, peak_period=1.5, spread=0.3, components=4, seed=k) for k in range(3)]
     scenarios = [lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(water, current=one)) for one in seas]
     together = lc.swim_many(scenarios).center_of_mass
     for scenario, end in zip(scenarios, together, strict=True):
         assert lc.swim(scenario).center_of_mass[-1] == pytest.approx(end, abs=1e-13)
-    assert decode(Current, encode(seas[1])) == seas[1]
+    assert decode(lc.Water, encode(scenarios[1].environment)) == scenarios[1].environment
     assert decode(Current, {"kind": "waves", "height": 0.1, "length": 3.0}) == Waves(height=0.1, length=3.0)
     # In the plane, depth factors are numbers of their own.
     level, found = rows_of(seas[0], -0.3), seas[0].motion(0.4, 0.5, -0.3, 0.7)
     parts = [part.at_height(-0.3).motion(0.4, 0.5, 9.0, 0.7) for part in seas[0].parts]
     assert np.sum(parts, axis=0) == pytest.approx(np.array(found), abs=1e-15)
-    assert level.counts == (2,)
+    assert level.counts == (4,)
 
 
 @pytest.mark.parametrize(
@@ -121,3 +155,17 @@ def test_runs_in_seas_side_by_side_are_those_of_each_alone_and_a_sea_goes_throug
 def test_waves_that_cannot_be_are_refused_with_the_limit(settings, message):
     with pytest.raises(ValueError, match=message):
         Waves(**settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"significant_height": 2.0}, r"`significant_height` must be <= 0.8868 m"),
+        ({"depth": 0.0}, r"`depth` must be > 0 m"),
+        ({"components": 0}, r"`components` must be a whole number >= 1"),
+        ({"spectrum": "square"}, r"`spectrum` must be"),
+    ],
+)
+def test_a_sea_that_cannot_be_is_refused_with_the_limit(settings, message):
+    with pytest.raises(ValueError, match=message):
+        Sea(**settings)

@@ -8,7 +8,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag
-from laticauda.fluid.waves import Waves
+from laticauda.fluid.waves import Sea, Waves
 from laticauda.hydrodynamics.coefficients import immersion_factor
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
@@ -31,7 +31,7 @@ FLOWS = {
     "along": replace(WAVES, direction=0.0),
     "across": replace(WAVES, direction=0.5 * math.pi),
     "oblique": WAVES,
-    "three": WAVES + Waves(height=0.05, period=0.8, depth=0.9, direction=2.0) + Waves(height=0.03, depth=0.9),
+    "sea": Sea(significant_height=0.1, peak_period=1.3, spread=0.5, components=5, seed=2),
 }
 
 
@@ -73,7 +73,7 @@ def below(flow, x, y, z, t):
     """Velocity, gradient and rate of the water below waves, from textbook potentials summed one by one."""
     u, w, gradient, rate = np.zeros((2, t.size)), np.zeros(t.size), np.zeros((2, 3, t.size)), np.zeros((2, t.size))
     for wave in flow.parts:
-        k, depth = math.hypot(wave.k_x, wave.k_y), 0.9
+        k, depth = math.hypot(wave.k_x, wave.k_y), getattr(flow, "depth", math.inf)
         ahead = np.array([wave.k_x, wave.k_y]) / k
         high = math.exp(k * z) if depth == math.inf else math.cosh(k * (z + depth)) / math.sinh(k * depth)
         low = math.exp(k * z) if depth == math.inf else math.sinh(k * (z + depth)) / math.sinh(k * depth)

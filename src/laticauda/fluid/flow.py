@@ -27,7 +27,9 @@ from laticauda.formulas import Formula, Law
 from laticauda.quantities import DEGREES, option, quantities_of, quantity, value
 
 FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
+    **dict.fromkeys(("uniform", "linear-shear", "power-law-shear"), "laticauda.fluid.uniform"),
     "waves": "laticauda.fluid.waves",
+    "sea": "laticauda.fluid.waves",
     "turbulence": "laticauda.fluid.turbulence",
 }
 """Where the flows are that come with the package; they are imported when one is named."""

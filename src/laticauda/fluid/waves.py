@@ -1,4 +1,4 @@
-"""Waves of small steepness on water of any depth (Airy).
+"""Waves of small steepness on water of any depth (Airy), and seas that are sums of them, from a seed.
 
 The surface is at eta = a cos(theta), theta = k . x - omega t + phase, with omega^2 = g k tanh(k d); below it the
 velocity is a omega cosh k(z + d) / sinh kd along the wave, in phase with the surface, and a omega sinh k(z + d) / sinh
@@ -8,18 +8,19 @@ level, and below the bed all is as at the bed.
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import hints_of, quantity, value
+from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scalars import where
 
 GRAVITY = 9.81  # m/s^2
 STEEPEST = 0.142  # height by length, times tanh kd, at which waves break (Miche's limit)
 DEEP = 300.0  # k d beyond which water is as good as bottomless, and exp(k d) is a number yet
+BAND = (0.5, 3.0)  # frequencies of a sea by that of its peak
 
 
 @value
@@ -172,3 +173,43 @@ class Waves(Flow):
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The one wave."""
         return (component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),)
+
+
+@value
+class Sea(Flow):
+    """Irregular waves: many of equal energy, their frequencies, directions and phases drawn from a spectrum by a seed.
+
+    S ~ omega^-5 exp(-5/4 (omega_p/omega)^4) gamma^exp(-(omega/omega_p - 1)^2 / 2 sigma^2), sigma 0.07 below the peak
+    and 0.09 above it, within `BAND`; directions ~ cos^2s of half the angle from the mean one.
+    """
+
+    significant_height: float = quantity("m", "H_s, 4 standard deviations of the surface", gt=0.0, default=0.1)
+    peak_period: float = quantity("s", "T_p, where the spectrum is largest", gt=0.0, default=2.0)
+    spectrum: Literal["jonswap", "pierson_moskowitz"] = option("Its shape: `jonswap` has a peak", default="jonswap")
+    peakedness: float = quantity("", "gamma of `jonswap`", ge=1.0, le=10.0, default=3.3)
+    direction: float = quantity("rad", "They move to in the mean, from the x axis", default=0.0)
+    spread: float = quantity("rad", "Standard deviation of the direction", ge=0.0, le=1.4, default=0.0)
+    depth: float = quantity("m", "d, of the water; left out: deep", gt=0.0, default=math.inf)
+    components: int = quantity("", "Number of waves", ge=1, le=1000, default=32)
+    seed: int = quantity("", "Of frequencies, directions and phases", ge=0, default=0)
+
+    def __post_init__(self) -> None:
+        peak = 2.0 * math.pi / self.peak_period
+        check_unbroken("significant_height", self.significant_height, peak, self.depth)
+
+    @cached_property
+    def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Its waves: one from each of so many bands of equal energy, which have H_s together."""
+        n, random = self.components, np.random.default_rng(self.seed)
+        grid = np.linspace(*BAND, 4001)
+        peak = np.exp(-((grid - 1.0) ** 2) / (2.0 * np.where(grid > 1.0, 0.09, 0.07) ** 2))
+        gamma = self.peakedness if self.spectrum == "jonswap" else 1.0
+        energy = np.cumsum(grid**-5.0 * np.exp(-1.25 * grid**-4.0) * gamma**peak)
+        share = (np.arange(n) + random.random(n)) / n
+        omega = np.interp(share, energy / energy[-1], grid) * 2.0 * math.pi / self.peak_period
+        square = random.beta(2.0 / max(self.spread, 1e-9) ** 2 - 0.5, 0.5, n)  # cos^2 of half the angle
+        side = 2.0 * np.arccos(np.sqrt(square)) * random.choice((-1.0, 1.0), n)
+        amplitude = self.significant_height / math.sqrt(8.0 * n)
+        phase = random.uniform(0.0, 2.0 * math.pi, n)
+        waves = zip(omega.tolist(), (self.direction + side).tolist(), phase.tolist(), strict=True)
+        return tuple(component(amplitude, *wave, self.depth) for wave in waves)

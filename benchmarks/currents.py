@@ -1,0 +1,79 @@
+"""What does moving water cost in a batch, against still water?
+
+Question: 30 s of a robot of ten links, random gaits, prescribed joints, everything that `swim_many` does included, one
+process per version of the package, in turns. Printed: time of one core per trial, and the ratio to still water, of the
+version whose sources are given by `--against`, else of this one.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from _timing import of_links, print_load, random_gaits
+
+import laticauda as lc
+
+TRIALS, ROUNDS = 256, 5
+
+
+def currents() -> dict[str, Any]:
+    """What is in the table besides still water."""
+    from laticauda.fluid.waves import Sea
+
+    sea = Sea(significant_height=0.02, peak_period=1.5, spread=0.3)
+    return {
+        "uniform": (0.05, 0.02),
+        "1 wave": replace(sea, components=1),
+        "8 waves": replace(sea, components=8),
+        "16 waves": replace(sea, components=16),
+    }
+
+
+def least(currents: Mapping[str, Any]) -> dict[str, float]:
+    """Least time of one core per trial of a few rounds, by current [s]."""
+    robot, gaits, water = of_links(10), random_gaits(TRIALS), lc.load_water("paper-lateral")
+    best = dict.fromkeys(currents, float("inf"))
+    for repeat in range(1 + ROUNDS):
+        for name, current in currents.items():
+            start = time.process_time()
+            lc.swim_many(robot, gaits, environments=[replace(water, current=current)] * TRIALS, threads=1)
+            if repeat:  # the first compiles
+                best[name] = min(best[name], (time.process_time() - start) / TRIALS)
+    return best
+
+
+def still_of(sources: Path) -> float:
+    """The same of still water, with the package in another folder of sources."""
+    run = [sys.executable, __file__, "--still"]
+    environment = {**os.environ, "PYTHONPATH": str(sources)}
+    return float(subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--against", type=Path, help="folder `src` of another version, for still water")
+    parser.add_argument("--still", action="store_true", help="print the time of still water alone")
+    given = parser.parse_args()
+    if given.still:
+        print(least({"still": (0.0, 0.0)})["still"])
+        return
+    best, reference = {}, float("inf")
+    for _ in range(2):  # in turns
+        found = least({"still": (0.0, 0.0), **currents()})
+        best = {name: min(best.get(name, float("inf")), one) for name, one in found.items()}
+        reference = min(reference, still_of(given.against) if given.against else best["still"])
+    print(f"still water of {given.against or 'this version'}: {1e3 * reference:.3f} ms")
+    for name, one in best.items():
+        print(f"{name:<12}{1e3 * one:>10.3f} ms{one / reference:>8.2f}")
+    print_load()
+
+
+if __name__ == "__main__":
+    main()

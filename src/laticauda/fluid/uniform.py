@@ -1,0 +1,92 @@
+"""Water that moves everywhere alike, or in layers: uniform flow that turns and begins, linear and power-law shear."""
+
+import math
+
+import numpy as np
+
+from laticauda.fluid.flow import Flow, Steady
+from laticauda.quantities import quantity, value
+from laticauda.scalars import where
+
+BED_LAYER = 0.01
+"""Share of the depth, above the bed, where a power law becomes linear: its own slope has no bound there."""
+
+
+@value
+class Uniform(Steady):
+    """The same velocity everywhere, which may turn, as that of a tide does, and begin smoothly from rest.
+
+    Its size is (1 - cos(pi t / T)) / 2 of the full one during the ramp T.
+    """
+
+    turning: float = quantity("rad/s", "Rate at which it turns about the vertical, counter-clockwise", default=0.0)
+    ramp: float = quantity("s", "T, time from rest to full speed", ge=0.0, default=0.0)
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """The same everywhere."""
+        zero = 0.0 * (x + y + z + t)
+        begins = t.real < self.ramp.real
+        pace = math.pi / where(begins, self.ramp + zero, 1.0 + zero)
+        share = where(begins, 0.5 - 0.5 * np.cos(pace * t), 1.0 + zero)
+        rate = where(begins, 0.5 * pace * np.sin(pace * t), zero)
+        c, s = np.cos(self.turning * t), np.sin(self.turning * t)
+        u, v = c * self.u - s * self.v, s * self.u + c * self.v
+        turns = share * self.turning
+        rates = rate * u - turns * v, rate * v + turns * u, rate * self.w
+        return share * u, share * v, share * self.w, *rates, *(0.0,) * 10
+
+    @property
+    def constant(self) -> tuple[float, float, float] | None:
+        """Its velocity, if it neither turns nor begins."""
+        return None if self.turning or self.ramp else (self.u, self.v, self.w)
+
+
+@value
+class LinearShear(Flow):
+    """Straight layers whose speed changes with the place across the flow, with the height, or with both."""
+
+    speed: float = quantity("m/s", "U, at the origin", default=0.0)
+    direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
+    across: float = quantity("1/s", "Change of the speed to the left of the flow", default=0.0)
+    upward: float = quantity("1/s", "Change of the speed with the height", default=0.0)
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """Its gradient is the same everywhere."""
+        c, s = np.cos(self.direction), np.sin(self.direction)
+        speed = self.speed + self.across * (c * y - s * x) + self.upward * z
+        return layer(c, s, speed, self.across, self.upward)
+
+
+@value
+class PowerLawShear(Flow):
+    """A river's or a tide's layers above a bed: U (h / d)^n at the height h above it; as at the surface above that."""
+
+    speed: float = quantity("m/s", "U, at the surface", default=0.1)
+    direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
+    depth: float = quantity("m", "d, of the water", gt=0.0, default=1.0)
+    exponent: float = quantity("", "n, a seventh in rivers", gt=0.0, le=1.0, default=1.0 / 7.0)
+
+    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
+        """At rest below the bed."""
+        zero = 0.0 * (x + y + z + t)
+        h = 1.0 + z / self.depth
+        outer, inside = h.real > BED_LAYER, (h.real > 0.0) & (h.real < 1.0)
+        h = where(inside, h + zero, where(h.real > 0.0, 1.0 + zero, zero))
+        bound = where(outer, h, BED_LAYER + zero)
+        scale = self.speed * bound**self.exponent / bound
+        slope = where(inside, where(outer, self.exponent + zero, 1.0 + zero) * scale / self.depth, zero)
+        return layer(np.cos(self.direction), np.sin(self.direction), scale * h, zero, slope)
+
+
+def layer(c: float, s: float, speed: float, across: float, upward: float) -> tuple[float, ...]:
+    """The motion of straight layers.
+
+    Args:
+        c: Cosine of the direction of the flow.
+        s: Sine of it.
+        speed: Of this layer [m/s].
+        across: Its change to the left [1/s].
+        upward: Its change with the height [1/s].
+    """
+    slopes = -c * s * across, c * c * across, c * upward, -s * s * across, c * s * across, s * upward
+    return c * speed, s * speed, *(0.0,) * 4, *slopes, *(0.0,) * 4
