@@ -193,7 +193,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ("request_", "fields", "message"),
     [
         ("stop", {}, "`do` must be one of `reset`, `step`, `set`, `get`, `run`, got 'stop'"),
-        ("get", {"protocol": 2}, "`protocol` must be 1, which this server speaks, got 2."),
+        ("get", {"protocol": 2}, "`protocol` must be 1, which it speaks, got 2."),
         ("step", {}, "`duration` must be a number in s, got None."),
         ("step", {"duration": 0}, "`duration` must be > 0 s, got 0."),
         ("step", {"duration": 1e4}, "`duration` must be <= 5000 s at a `sample_interval` of 0.05 s, got 10000."),

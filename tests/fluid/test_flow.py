@@ -10,7 +10,8 @@ import laticauda as lc
 from laticauda.codec import decode, encode
 from laticauda.compiling.flows import summed
 from laticauda.compiling.lane_types import rows_of as rows_of_lanes
-from laticauda.fluid.flow import Flow, FunctionFlow, Steady, Sum, rows_of
+from laticauda.fluid.flow import Flow, FunctionFlow, Sum, rows_of
+from laticauda.fluid.uniform import Uniform
 from laticauda.quantities import quantity, value
 from laticauda.robot import Current, load_robot, load_water
 
@@ -82,7 +83,7 @@ def test_a_water_with_a_flow_goes_through_files():
 
 
 FLOWS = {
-    "sum of two kinds": Swirl(v_x=0.1) + Steady(u=0.2) + Swirl(rate=0.4),
+    "sum of two kinds": Swirl(v_x=0.1) + Uniform(u=0.2) + Swirl(rate=0.4),
     "lamb-oseen": Flow.named("lamb-oseen")(circulation=0.3, core=0.2, viscosity=1e-3),
     "karman-street": Flow.named("karman-street")(pairs=3),
     "turbulence": Flow.named("turbulence")(modes=5, mean=(0.1, 0.0, 0.0), evolution=1.0),

@@ -78,8 +78,3 @@ def test_the_vortices_of_a_street_drive_each_other_at_the_speed_at_which_it_move
     center = along[np.argmax(spin)]
     assert own > 0.0
     assert street.motion(center, row, 0.0, times[0]).u == pytest.approx(street.street_speed * street.speed, rel=0.01)
-
-
-def test_a_street_of_cores_as_wide_as_it_is_refused():
-    with pytest.raises(ValueError, match=r"`core` must be < 2.15, half the spacing .* got 3"):
-        KarmanStreet(core=3.0)

@@ -36,12 +36,8 @@ class Unknowns:
     """What is to be identified, and what is known of it."""
 
     after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
-    parameters: Words = option(
-        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in a sweep, and what is known", default=()
-    )
-    criterion: str = option(
-        "To be small: D, the volume of the possible; A, mean variance; NAME, a deviation", default="D"
-    )
+    parameters: Words = option("NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in sweeps, and what is known", default=())
+    criterion: str = option("To be small: D, volume of the possible; A, mean variance; NAME, a deviation", default="D")
     rivals: Words = option("NAME: waters or parameter files: choose trials that tell which is true", default=())
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 

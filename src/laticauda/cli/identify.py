@@ -50,9 +50,7 @@ class Fixed:
     """What stays as it is."""
 
     robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
-    base: str | None = option(
-        "Parameter file for the rest, with a joint law; as the trials say if left out", default=None
-    )
+    base: str | None = option("Parameter file for the rest, with a joint law; or as the trials say", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes long", default="planar")
 

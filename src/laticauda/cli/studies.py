@@ -125,13 +125,9 @@ class Optimize(Study):
     population: int | None = quantity("", "In a generation; left out 100, for one objective 40", ge=1, default=None)
     seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
     joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
-    least_velocity: float | None = quantity(
-        "m/s", "Least that will do; the cheapest hardly moves", gt=0.0, default=None
-    )
+    least_velocity: float | None = quantity("m/s", "Least that will do; the cheapest just moves", gt=0.0, default=None)
     beyond_actuators: bool = option("Count gaits that ask too much of actuators, or whose links overlap", default=False)
-    output: Folder = option(
-        "The folder of results; what was stopped goes on there by the same command", default="optimum"
-    )
+    output: Folder = option("The folder of results; what was stopped goes on there, if run again", default="optimum")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""

@@ -75,9 +75,8 @@ class Convert(OfTrials):
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)
-        return command.Outcome(
-            facts={"output": self.output, "n_samples": n_samples}, text=f"{self.output}: {n_samples} samples"
-        )
+        facts = {"output": self.output, "n_samples": n_samples}
+        return command.Outcome(facts=facts, text=f"{self.output}: {n_samples} samples")
 
 
 def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:

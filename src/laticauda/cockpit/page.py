@@ -58,9 +58,8 @@ class Cockpit:
         with tabs.add_tab("Lab"):
             self.operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
             """The robot that somebody else operates, if it is connected."""
-        self._gizmo = self._server.scene.add_transform_controls(
-            "/handle", scale=0.35, active_axes=(True, True, False), visible=False
-        )
+        flat = {"scale": 0.35, "active_axes": (True, True, False), "visible": False}
+        self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
         self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
         self._forces.on_update(self._show_forces)

@@ -130,9 +130,8 @@ def _check(trials: Sequence[Trial]) -> None:
             raise BadArgument(f"trials[{i}]", f"must have a gait that moves, got {gait}")
         least = 2.0 * (2.0 * math.pi / gait.frequency)
         if trial.duration < least:
-            raise BadArgument(
-                f"trials[{i}]", f"must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s"
-            )
+            rule = f"must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s"
+            raise BadArgument(f"trials[{i}]", rule)
         shapes.add((gait.amplitude, gait.phase_shift, gait.envelope))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:

@@ -60,9 +60,7 @@ class ModelPredictive(Controller[PredictiveState]):
     path: Path[Any] = option("Where to go")
     model: AveragedModel = option("How this gait moves this robot: `fit_averaged`")
     speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
-    frequency_limits: tuple[float, float] | None = quantity(
-        "rad/s", "Least and greatest; None: the gait's", default=None
-    )
+    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
     power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
     max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
     offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)

@@ -58,9 +58,7 @@ class Session:
     def _answer(self, message: Message) -> dict[str, Any]:
         asked = message.get("protocol", messages.PROTOCOL_VERSION)
         if asked != messages.PROTOCOL_VERSION:
-            raise BadArgument(
-                "protocol", f"must be {messages.PROTOCOL_VERSION}, which this server speaks, got {asked!r}"
-            )
+            raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, which it speaks, got {asked!r}")
         request, fields = self._requests[one_of("do", message.get("do"), tuple(self._requests))]
         codec.check_keys(message, ("do", "id", "protocol", *fields))
         return request(message)

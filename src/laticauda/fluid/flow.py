@@ -24,7 +24,7 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law
-from laticauda.quantities import DEGREES, option, quantities_of, quantity, value
+from laticauda.quantities import DEGREES, option, quantities_of, value
 
 FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
     **dict.fromkeys(("uniform", "linear-shear", "power-law-shear"), "laticauda.fluid.uniform"),
@@ -212,24 +212,6 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
                 unit = (one.in_degrees if in_degrees else one).unit
                 told.append(f"{name.replace('_', ' ')} {f'({listed})' if numbers.size > 1 else listed} {unit}".rstrip())
         return ", ".join([name_of(kind).replace("-", " "), *told])
-
-
-@value
-class Steady(Flow):
-    """Water that moves as one, as a part of other flows; alone, its three numbers say the same."""
-
-    u: float = quantity("m/s", "Velocity along x", default=0.0)
-    v: float = quantity("m/s", "Along y", default=0.0)
-    w: float = quantity("m/s", "Upward", default=0.0)
-
-    def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water, see `Flow.__call__`."""
-        return self.u, self.v, self.w, *(0.0,) * 13
-
-    @property
-    def constant(self) -> tuple[float, float, float] | None:
-        """Its velocity [m/s]."""
-        return self.u, self.v, self.w
 
 
 @value

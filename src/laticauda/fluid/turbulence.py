@@ -19,7 +19,8 @@ from functools import cached_property
 import numpy as np
 
 from laticauda.errors import BadArgument
-from laticauda.fluid.flow import Flow, Steady
+from laticauda.fluid.flow import Flow
+from laticauda.fluid.uniform import Uniform
 from laticauda.quantities import quantity, value
 
 
@@ -66,7 +67,7 @@ class Turbulence(Flow):
             raise BadArgument("smallest", f"must be < {self.largest:g} m, the largest eddies, got {self.smallest:g}")
 
     @cached_property
-    def parts(self) -> tuple[Flow, ...]:
+    def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The modes, and the mean if there is one."""
         random, n = np.random.default_rng(self.seed), self.modes
         edges = 2.0 * math.pi / self.largest * (self.largest / self.smallest) ** (np.arange(n + 1) / n)
@@ -84,4 +85,4 @@ class Turbulence(Flow):
         names = [field.name for field in fields(_Mode)]
         found = tuple(_Mode(**dict(zip(names, row, strict=True))) for row in table)
         u, v, w = self.mean
-        return (Steady(u=u, v=v, w=w), *found) if any(self.mean) else found
+        return (Uniform(u=u, v=v, w=w), *found) if any(self.mean) else found

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from laticauda.fluid.flow import Flow, Steady
+from laticauda.fluid.flow import Flow
 from laticauda.quantities import quantity, value
 from laticauda.scalars import where
 
@@ -13,19 +13,22 @@ BED_LAYER = 0.01
 
 
 @value
-class Uniform(Steady):
+class Uniform(Flow):
     """The same velocity everywhere, which may turn, as that of a tide does, and begin smoothly from rest.
 
     Its size is (1 - cos(pi t / T)) / 2 of the full one during the ramp T.
     """
 
+    u: float = quantity("m/s", "Velocity along x", default=0.0)
+    v: float = quantity("m/s", "Along y", default=0.0)
+    w: float = quantity("m/s", "Upward", default=0.0)
     turning: float = quantity("rad/s", "Rate at which it turns about the vertical, counter-clockwise", default=0.0)
     ramp: float = quantity("s", "T, time from rest to full speed", ge=0.0, default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """The same everywhere."""
         zero = 0.0 * (x + y + z + t)
-        begins = t.real < self.ramp.real
+        begins = (t.real < self.ramp.real) & (self.ramp.real > 0.0)
         pace = math.pi / where(begins, self.ramp + zero, 1.0 + zero)
         share = where(begins, 0.5 - 0.5 * np.cos(pace * t), 1.0 + zero)
         rate = where(begins, 0.5 * pace * np.sin(pace * t), zero)

@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.fluid.flow import Flow, Steady
+from laticauda.fluid.flow import Flow
+from laticauda.fluid.uniform import Uniform
 from laticauda.quantities import quantity, value
 from laticauda.scalars import where
 
@@ -122,7 +122,7 @@ class KarmanStreet(Flow):
     y: float = quantity("m", "The same", default=0.0)
     strouhal: float = quantity("", "St, frequency of vortices of one side times D / U", gt=0.0, default=0.2)
     street_speed: float = quantity("", "Share of U at which vortices go downstream", gt=0.0, le=1.0, default=0.86)
-    core: float = quantity("", "r_c of vortices per D", gt=0.0, default=0.25)
+    core: float = quantity("", "r_c of vortices per D", gt=0.0, le=1.0, default=0.25)
     pairs: int = quantity("", "How many pairs of vortices the street is long", ge=2, le=200, default=10)
     phase: float = quantity("rad", "Of the shedding at the start", default=0.0)
 
@@ -160,10 +160,4 @@ class KarmanStreet(Flow):
             for side in (1, -1)
             for k in range(self.pairs)
         ]
-        return (Steady(u=self.speed * c, v=self.speed * s), *rows)
-
-    def __post_init__(self) -> None:
-        """Refuse cores that are wider than the street's rows are apart."""
-        if not self.core * self.diameter < 0.5 * self.spacing:
-            rule = f"must be < {0.5 * self.spacing / self.diameter:.3g}, half the spacing of the vortices per diameter"
-            raise BadArgument("core", f"{rule}, got {self.core:g}")
+        return (Uniform(u=self.speed * c, v=self.speed * s), *rows)

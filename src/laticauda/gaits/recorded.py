@@ -70,9 +70,7 @@ class JointAngles:
             raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
         units = np.array([[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints])
         try:
-            time, *angles = (
-                [float(cell) for cell in columns[name]] for name in ("time_s", *(one for _, one in joints))
-            )
+            time, *angles = ([float(cell) for cell in columns[name]] for name in ("time_s", *(j for _, j in joints)))
             return cls(time=tuple(time), angle=_rows(np.array(angles) * units))
         except ValueError as error:
             raise TrialFileError(f"{path}: {error}") from None

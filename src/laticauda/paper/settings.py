@@ -161,7 +161,7 @@ class PathFollowingSettings:
         """How many cases there are [-]."""
         return sum(len(group.figures) for group in self.groups)
 
-    def controller(self, gait: lc.Gait, heading_estimate: str = "raw") -> lc.PathFollowing:
+    def controller(self, gait: lc.Gait, heading_estimate: Any = "raw") -> lc.PathFollowing:
         """How every run is steered along the x axis.
 
         Args:

@@ -113,9 +113,7 @@ class Module:
     added_mass: float | None = quantity("", "C_A, or None for the water's", ge=0.0, default=None)
     added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
     center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
-    inertia: float | None = quantity(
-        "kg m^2", "Vertical, about its center of mass; None: a rod's", gt=0.0, default=None
-    )
+    inertia: float | None = quantity("kg m^2", "Vertical, about center of mass; None: a rod's", gt=0.0, default=None)
 
     def __post_init__(self) -> None:
         if abs(self.center) > self.half_length:

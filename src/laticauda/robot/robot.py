@@ -52,9 +52,7 @@ class Robot:
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
-                    raise BadArgument(
-                        f"{group}[{i}].link", f"must be from 0 (tail) to {n - 1} (head), got {effector.link}"
-                    )
+                    raise BadArgument(f"{group}[{i}].link", f"must be 0 (tail) to {n - 1} (head), got {effector.link}")
 
     @property
     def n_links(self) -> int:

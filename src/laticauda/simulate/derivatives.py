@@ -230,9 +230,8 @@ def slopes(
             plant = extra_plants.setdefault(id(plant), _with_extras(plant))
         derived.append(replace(run, plant=plant, slope=entry.rows))
         weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
-    found = many.collected(
-        derived, duration, sample_interval, threads, progress, weights=weights, look=look, with_joints=with_joints
-    )
+    how = duration, sample_interval, threads, progress
+    found = many.collected(derived, *how, weights=weights, look=look, with_joints=with_joints)
     undefined = complex(math.nan, math.nan)
     return replace(found, figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()})
 
@@ -256,9 +255,8 @@ def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, fl
                     has_extras=any(entry.has_extras for entry in near.values()),
                 )
     reason = f": {refused}" if refused else ", but the number of fin strips depends on it there."
-    raise ValueError(
-        f"`parameters` must be numbers that may change a little; `{number.name}` is {number.value:g}{reason}"
-    )
+    rule = "`parameters` must be numbers that may change a little"
+    raise ValueError(f"{rule}; `{number.name}` is {number.value:g}{reason}")
 
 
 def _changed(run: batch.Run, number: Number, by: float) -> _Entry:

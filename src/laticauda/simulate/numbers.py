@@ -237,9 +237,8 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     # A module's or fin's own coefficient that is None is the water's.
     things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
     if len(set(things)) > 1:
-        raise BadArgument(
-            argument, f"must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}"
-        )
+        rule = f"must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}"
+        raise BadArgument(argument, rule)
     if things[0] is None:
         raise BadArgument(argument, f"must be of numbers that the trial has, got `{name}`, which is None")
     return float(things[0])

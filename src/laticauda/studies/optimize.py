@@ -212,9 +212,8 @@ def optimize(
         MissingExtra: If pymoo is not installed.
     """
     instance("optimization", optimization, Optimization)
-    population = whole(
-        "population", POPULATION[len(optimization.objectives)] if population is None else population, LEAST_POPULATION
-    )
+    usual = POPULATION[len(optimization.objectives)]
+    population = whole("population", usual if population is None else population, LEAST_POPULATION)
     whole("budget", budget, population)
     whole("seed", seed, 0)
     if threads is not None:

@@ -106,9 +106,8 @@ class Episodes:
         for i, draw in enumerate(draws):
             self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else draw.at(share[:, i])
         zero = np.zeros(self.n)
-        x, y, heading, speed, direction = (
-            self._drawn.get(name, zero)[lanes] for name in ("x", "y", "heading", "current_speed", "current_direction")
-        )
+        names = "x", "y", "heading", "current_speed", "current_direction"
+        x, y, heading, speed, direction = (self._drawn.get(name, zero)[lanes] for name in names)
         self.school.place(
             lanes,
             center_of_mass=np.stack((x, y), axis=1),

@@ -59,9 +59,8 @@ class Operator:
     def reference_source(self) -> ReferenceSource:
         """From observations to references."""
         how = self.operation
-        return ReferenceSource(
-            robot=self.robot, controller=how.controller(), ramp=how.ramp, offset_bandwidth=how.offset_bandwidth
-        )
+        filters = {"ramp": how.ramp, "offset_bandwidth": how.offset_bandwidth}
+        return ReferenceSource(robot=self.robot, controller=how.controller(), **filters)
 
     @cached_property
     def estimator(self) -> Estimator | KinematicEstimator:

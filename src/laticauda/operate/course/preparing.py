@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from statistics import fmean
 
 import numpy as np
 from jaxtyping import Float
@@ -275,7 +276,5 @@ def stayed(
     late = [place for place in places if place[0] > middle]
     if places[0][0] > begin + 0.1 * duration or not early or not late:
         return places, False
-    gone, *way = (
-        sum(place[i] for place in late) / len(late) - sum(place[i] for place in early) / len(early) for i in range(4)
-    )
+    gone, *way = (fmean(place[i] for place in late) - fmean(place[i] for place in early) for i in range(4))
     return places, math.hypot(way[0], way[1]) / gone <= speed and abs(way[2] / gone) <= rate

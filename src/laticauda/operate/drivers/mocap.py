@@ -81,9 +81,8 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         def left(_: object) -> None:
             gone.set()
 
-        link: Any = await asyncio.wait_for(
-            self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME), CONNECT_TIME
-        )
+        asked = self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME)
+        link: Any = await asyncio.wait_for(asked, CONNECT_TIME)
         if link is None:
             raise DeviceFailed(
                 f"The motion capture at {host}:{port} cannot be reached: check that QTM runs there, and that its "
@@ -92,9 +91,8 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
-            begun = asyncio.ensure_future(
-                link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._on_packet)
-            )
+            stream = link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._on_packet)
+            begun = asyncio.ensure_future(stream)
             begun.add_done_callback(_ignore_result)
             self._trouble = ""
             self._ready.set()

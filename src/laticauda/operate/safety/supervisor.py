@@ -79,9 +79,8 @@ class Supervisor:
             action: One of `ACTIONS`; infinite for those that stop nothing.
         """
         by_itself = LIMP_AFTER + MARGIN
-        return {"straighten": self.straighten_time + by_itself, "limp": by_itself, "emergency_stop": by_itself}.get(
-            action, float("inf")
-        )
+        times = {"straighten": self.straighten_time + by_itself, "limp": by_itself, "emergency_stop": by_itself}
+        return times.get(action, float("inf"))
 
     def init(self) -> SupervisorState:
         """Idle."""

@@ -126,9 +126,8 @@ def reproduce(
     )
     write(folder / "report.html", text)
     written += [file for part in done.values() for file in part.files]
-    return Reproduction(
-        folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results, claims=judged
-    )
+    names = (*sorted([*written, *files]), "report.html")
+    return Reproduction(folder=folder, files=names, results=results, claims=judged)
 
 
 def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chapter:
