@@ -97,7 +97,7 @@ class Measurement:
         for name, one in checked.items():
             object.__setattr__(self, name, one)
         if not self.figures and not self.series:
-            raise BadArgument("figures", f"or `series` of `{self.name}` must hold what was measured, got nothing")
+            raise BadArgument("figures", f"or `series` of `{self.name}` must hold something measured, got nothing")
 
     def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
         units = UNITS if self.tow is None else LOADS
@@ -109,7 +109,7 @@ class Measurement:
     def _checked_time(self, given: object) -> Numbers:
         time = _frozen(f"time` of `{self.name}", given)
         if time.ndim != 1 or time.size == 0 or np.any(np.diff(time) <= 0.0):
-            raise BadArgument("time", f"of `{self.name}` must be increasing moments, got shape {time.shape}")
+            raise BadArgument("time", f"of `{self.name}` must be moments that increase, got shape {time.shape}")
         if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
             raise BadArgument(
                 "time",
