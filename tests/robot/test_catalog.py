@@ -29,7 +29,7 @@ def test_the_presets_are_there():
     )
     assert water_names() == ("paper-eel", "paper-lateral", "paper-vortex", "published-2015")
     assert ground_names() == ("coulomb", "viscous")
-    assert current_names() == ("street", "turbulence", "vortex")
+    assert current_names() == ("shear", "street", "swell", "tide", "turbulence", "vortex", "wind-sea")
 
 
 @pytest.mark.parametrize("name", robot_names())
