@@ -62,6 +62,8 @@ ENDLESS = {
     ("ModelPredictive", "power_limit"): "the gait may take any power",
     ("OpenLoop", "interval"): "asked once",
     ("Fault", "duration"): "to the end",
+    ("Waves", "depth"): "deep water",
+    ("Sea", "depth"): "deep water",
 }
 """What may be infinite, where that is the default, and what it means."""
 

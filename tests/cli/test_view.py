@@ -80,6 +80,7 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, mo
     class Window:
         def __init__(self, model, data):
             self.model, self.data, self.cam = model, data, types.SimpleNamespace()
+            self.user_scn = types.SimpleNamespace(ngeom=9)
 
         def is_running(self):
             return len(shown) < 3

@@ -48,7 +48,7 @@ def positions(found: Robot):
         ({"caudal_fin": True}, r"`caudal_fin` must be of class CaudalFin, got bool"),
         (
             {"thrusters": (Thruster(link=3, thrust=1.0),)},
-            r"`thrusters\[0\]\.link` must be between 0 \(tail\) and 2 \(head\), got 3",
+            r"`thrusters\[0\]\.link` must be 0 \(tail\) to 2 \(head\), got 3",
         ),
         ({"tether": None}, r"`tether` must be of class Tether, got NoneType"),
         ({"electronics_power": -1.0}, r"`electronics_power` must be >= 0 W"),

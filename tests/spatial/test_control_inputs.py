@@ -135,7 +135,7 @@ def test_both_models_drive_a_thruster_and_a_fin_alike_and_as_if_they_were_built_
 
 def test_a_command_for_other_effectors_is_refused():
     robot = replace(ROBOT, thrusters=(Thruster(link=0, thrust=1.0),))
-    with pytest.raises(ValueError, match="`thrusts` must have one entry per effector with a `max_thrust`, 0 of them"):
+    with pytest.raises(ValueError, match="`thrusts` must have one entry per effector with a `max_thrust`, 0 in all"):
         moved(robot, command=replace(HELD, thrusts=(1.0,)))
     with pytest.raises(ValueError, match=r"`thrusters\[0\].elevation` must be 0 in the planar model"):
         lc.swim(replace(ROBOT, thrusters=(Thruster(link=0, thrust=1.0, elevation=0.1),)), STRAIGHT, 1.0)
