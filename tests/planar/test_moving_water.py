@@ -94,3 +94,11 @@ def test_a_cylinder_held_in_waves_bears_the_force_of_morisons_formula(flow, dept
     times = np.linspace(0.0, 3.0, 61)
     found, expected = held(water, 0.3, times), morison(water, 0.3, times)
     assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+def test_a_run_that_goes_on_in_the_middle_of_a_sea_is_the_run_that_was_never_cut():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
+    whole, half = (lc.swim("mamba-fin", gait, duration, current=Sea(seed=2)) for duration in (6.0, 3.0))
+    rest = lc.resume(lc.plant(half.scenario), half, 3.0)
+    assert np.array_equal(rest.center_of_mass[-1], whole.center_of_mass[-1])
+    assert np.array_equal(rest.joint_torque[-1], whole.joint_torque[-1])
