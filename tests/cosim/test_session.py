@@ -203,7 +203,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
         ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s or a Flow, got 1 of them."),
-        ("set", {"current": "vortx"}, "`vortex`, got 'vortx'; did you mean `vortex`?"),
+        ("set", {"current": "vortx"}, "got 'vortx'; did you mean `vortex`?"),
         ("set", {"current": "../mine.toml"}, "`current` must be one of "),
         ("set", {"current": {"kind": "sum", "flows": [{"file": "/etc/x.nc"}]}}, "`current` must not name a file: "),
         ("reset", {"coefficients": {"current": {"file": "x.nc"}}}, "`current` must not name a file: "),
