@@ -34,8 +34,7 @@ class Uniform(Flow):
         rate = where(begins, 0.5 * pace * np.sin(pace * t), zero)
         c, s = np.cos(self.turning * t), np.sin(self.turning * t)
         u, v = c * self.u - s * self.v, s * self.u + c * self.v
-        turns = share * self.turning
-        rates = rate * u - turns * v, rate * v + turns * u, rate * self.w
+        rates = rate * u - share * self.turning * v, rate * v + share * self.turning * u, rate * self.w
         return share * u, share * v, share * self.w, *rates, *(0.0,) * 10
 
     @property

@@ -10,6 +10,7 @@ Karman); so spacing and circulation follow from the share of U at which the stre
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -141,8 +142,8 @@ class KarmanStreet(Flow):
         """Of each vortex [m^2/s]."""
         return math.sqrt(8.0) * self.spacing * (1.0 - self.street_speed) * self.speed
 
-    @property
-    def parts(self) -> tuple[Flow, ...]:
+    @cached_property
+    def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The stream, and both rows."""
         c, s, pace = math.cos(self.direction), math.sin(self.direction), self.street_speed * self.speed
         aside, life = 0.5 * ROWS_APART * self.spacing, self.pairs / self.frequency
