@@ -5,6 +5,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from campaign_scripts import campaign
 
 from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_trials
 from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
@@ -73,6 +74,15 @@ def test_without_studies_what_needs_one_is_not_tested_and_says_which():
     assert judged["links-power"].found == "Not run: the side trials."
     assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {"not tested here"}
     assert judged["fin-length"].verdict == "holds"
+
+
+def test_that_both_models_agree_is_judged_by_the_answer_of_its_campaign():
+    finest = [one.path for one in campaign("parity").stored() if one.dt == quantities.MODELS["dt"]]
+    assert len(finest) == 15
+    assert max(finest) == pytest.approx(quantities.MODELS["path"], rel=0.03)
+    judged = by_key(claims())["same-as-vortex"]
+    assert judged.verdict == "holds"
+    assert "differ by 0.002 % of the distance or less at a step of 0.5 ms" in judged.found
 
 
 def test_claims_about_simulations_say_which_joints(study, following, side, found):

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import campaign_scripts
 import numpy as np
 import pytest
 from chains import kernels, random_robot, random_water
@@ -10,22 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import laticauda as lc
-from laticauda.paper import ParityCase, parity_cases
-from laticauda.paper.parity import parity
 from laticauda.planar import rows
 from laticauda.planar.layout import layout
 from laticauda.robot import CaudalFin, Joint
 
 mujoco = pytest.importorskip("mujoco")
 
-FIN = next(case for case in parity_cases() if case.name == "fin")
+campaign = campaign_scripts.campaign("parity")
+parity, FIN = campaign.parity, campaign.CASES["fin"]
 WAVE = lc.Wave(amplitude=0.4, frequency=2.5, phase=1.0, offset=0.1)
 
 
 def case(**changes):
     robot = replace(FIN.robot, caudal_fin=replace(FIN.robot.caudal_fin, **changes))
     gait = replace(FIN.gait, fin=WAVE) if "joint" in changes else FIN.gait
-    return ParityCase(name="fin", robot=robot, motion=gait, environment=FIN.environment)
+    return replace(FIN, robot=robot, motion=gait)
 
 
 CASES = {

@@ -2,16 +2,17 @@
 
 from dataclasses import replace
 
+import campaign_scripts
 import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
-from laticauda.paper import ParityCase, parity_cases
-from laticauda.paper.parity import parity
 from laticauda.robot import PectoralFin, Tether, Thruster
+from laticauda.scenarios import Scenario
 
-CASES = {case.name: case for case in parity_cases()}
+campaign = campaign_scripts.campaign("parity")
+parity, CASES = campaign.parity, campaign.CASES
 STEPS = {"prescribed": (0.05, 0.025), "pd": (0.004, 0.002), "servo": (0.004, 0.002)}
 
 
@@ -26,6 +27,17 @@ def test_the_difference_is_small_and_falls_with_the_step(name: str, joints: str)
     assert fine.heading < 1e-3
 
 
+def test_the_stored_answer_is_within_what_the_campaign_asks_and_a_run_of_it_comes_out_again():
+    stored = campaign.stored()
+    assert {(one.joints, one.case) for one in stored} == {(joints, case) for joints in STEPS for case in CASES}
+    finest = [one for one in stored if one.dt == 0.0005]
+    assert len(finest) == 15 and max(one.path for one in finest) < 3e-3 and max(one.richardson for one in finest) < 1e-3
+    (row,) = parity(CASES["turning"], "prescribed", (0.05,), reference_step=0.000125)
+    kept = next(one for one in stored if (one.case, one.joints, one.dt) == ("turning", "prescribed", 0.05))
+    assert row.path == pytest.approx(kept.path, rel=0.01)
+    assert row.heading == pytest.approx(kept.heading, rel=0.01)
+
+
 FORMS = [
     {"added_mass_form": "kirchhoff", "tangential_added_mass": 0.2, "rotational": "strip"},
     {"added_mass_form": "classic"},
@@ -38,7 +50,7 @@ FORMS = [
 def test_every_form_of_the_water_agrees(changes: dict[str, object]):
     eel = CASES["eel-like"]
     water = replace(eel.environment, current=(0.05, 0.02), **changes)
-    case = ParityCase(name="form", robot=lc.load_robot("mamba-fin"), motion=eel.gait, environment=water)
+    case = Scenario(robot=lc.load_robot("mamba-fin"), motion=eel.gait, environment=water)
     (row,) = parity(case, "prescribed", (0.0125,), duration=3.0)
     assert row.path < 1e-6
     assert row.heading < 1e-6
@@ -46,9 +58,7 @@ def test_every_form_of_the_water_agrees(changes: dict[str, object]):
 
 @pytest.mark.parametrize("name", ["viscous", "coulomb"])
 def test_the_ground_agrees(name: str):
-    case = ParityCase(
-        name="ground", robot=CASES["lateral"].robot, motion=CASES["lateral"].gait, environment=lc.load_ground(name)
-    )
+    case = replace(CASES["lateral"], environment=lc.load_ground(name))
     (row,) = parity(case, "prescribed", (0.0002,), duration=1.5, reference_step=0.0002)
     assert row.path < 1e-5
 

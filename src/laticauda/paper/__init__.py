@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from laticauda.paper.efficiency import run_efficiency as run_efficiency
     from laticauda.paper.measured import efficiency_trials as efficiency_trials, measured_trial as measured_trial
     from laticauda.paper.measured import path_following_trials as path_following_trials
-    from laticauda.paper.parity import Parity as Parity, ParityCase as ParityCase, ParitySettings as ParitySettings
-    from laticauda.paper.parity import parity_cases as parity_cases, run_parity as run_parity
     from laticauda.paper.path_following import PathFollowingStudy as PathFollowingStudy
     from laticauda.paper.path_following import run_path_following as run_path_following
     from laticauda.paper.repeats import TABLE2 as TABLE2, Repeat as Repeat, load_repeats as load_repeats

@@ -32,9 +32,7 @@ class Reproduce(command.Command):
     """
 
     only: Literal["efficiency", "path-following"] | None = option("Run this half of the paper only", default=None)
-    model: Literal["planar", "spatial"] = option(
-        "The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one", default="planar"
-    )
+    model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes minutes", default="planar")
     joints: str | None = option("The joint law; the parameters', or prescribed, if left out", default=None)
     parameters: str | None = option(
         "A preset or a parameter file (TOML): its numbers for water and robots instead of the paper's, which stay "

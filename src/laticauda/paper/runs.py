@@ -113,18 +113,10 @@ class Runs:
         except SimulationFailed as error:
             raise SimulationFailed(f"{name}: {error}") from error
         self.how |= settings_of(body.settings)
-        self.tell(self.n_done + 1)
-        return trial
-
-    def tell(self, n_done: int) -> None:
-        """Say how many runs there were.
-
-        Args:
-            n_done: So many [-].
-        """
-        self.n_done = n_done
+        self.n_done += 1
         if self.progress is not None:
-            self.progress(n_done, self.n_runs)
+            self.progress(self.n_done, self.n_runs)
+        return trial
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -139,14 +131,12 @@ class Study(Generic[Settings]):
     """Version of laticauda that ran it."""
     usual: ClassVar[Any]
     """Makes the settings that are run where none are given."""
-    by_default: ClassVar[str] = "planar"
-    """The name of the model where none is given."""
 
     @classmethod
     def run(
         cls,
         settings: Settings | None = None,
-        model: Model | str | None = None,
+        model: Model | str = "planar",
         *,
         progress: Progress | None = None,
         **changes: Unpack[ModelChanges],
@@ -155,7 +145,7 @@ class Study(Generic[Settings]):
 
         Args:
             settings: None takes those of the paper, or the defaults where it has none.
-            model: By which model, or its name; None takes the planar one, and the spatial one to compare it with that.
+            model: By which model, or its name.
             progress: Called after every run with the number of runs done, and of all.
             changes: What differs from the model's defaults.
 
@@ -167,7 +157,7 @@ class Study(Generic[Settings]):
             SimulationFailed: If a run blows up; the message says which.
         """
         chosen: Any = cls.usual() if settings is None else settings
-        return cls.by_runs(chosen, Runs(model=model_of(model or cls.by_default, **changes), progress=progress))
+        return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
 
     @classmethod
     def by_runs(cls, settings: Settings, runs: Runs) -> Any:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from laticauda.paper import efficiency, measured, parity, path_following, runs, side_trials
+from laticauda.paper import efficiency, measured, path_following, runs, side_trials
 from laticauda.paper.claims import quantities
 from laticauda.paper.report.chapter import paper_templates
 from laticauda.reports.texts import in_digits
@@ -24,7 +24,6 @@ STUDIES: Mapping[str, tuple[type[runs.Study[Any]], str]] = {
     "efficiency": (efficiency.EfficiencyStudy, "the efficiency study"),
     "following": (path_following.PathFollowingStudy, "the path-following study"),
     "side": (side_trials.SideTrials, "the side trials"),
-    "parity": (parity.ParityStudy, "the comparison with the 3D model (reproduce with the model spatial)"),
 }
 """What the table of claims needs, by its name there."""
 
@@ -66,12 +65,12 @@ def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
     """What the paper's results, remarks and conclusions claim, and what the studies say to it.
 
     Args:
-        studies: What `run_efficiency`, `run_path_following`, `run_side_trials` and `run_parity` returned,
-            with the paper's settings: all its groups, cases and sweeps. Claims about those that are missing are not
-            tested; others say nothing to any claim.
+        studies: What `run_efficiency`, `run_path_following` and `run_side_trials` returned, with the paper's settings:
+            all its groups, cases and sweeps. Claims about those that are missing are not tested; others say nothing to
+            any claim.
     """
     given = {name: study for study in studies for name, (kind, _) in STUDIES.items() if isinstance(study, kind)}
-    known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
+    known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots(), "models": quantities.MODELS}
     known |= {name: getattr(quantities, name)(study) for name, study in given.items()}
     if isinstance(following := given.get("following"), path_following.PathFollowingStudy):
         known["ways"] = [{**known, "following": quantities.following(way)} for way in following.ways]

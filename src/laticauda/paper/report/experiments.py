@@ -6,7 +6,6 @@ from typing import Any
 
 from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.efficiency import run_efficiency
-from laticauda.paper.parity import ParitySettings, run_parity
 from laticauda.paper.path_following import run_path_following
 from laticauda.robot import Parameters
 
@@ -14,11 +13,10 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
     "efficiency": run_efficiency,
     "side": side_trials.run_side_trials,
-    "parity": run_parity,
 }
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {
-    "efficiency": ("efficiency", "side", "parity"),
+    "efficiency": ("efficiency", "side"),
     "path-following": ("path_following",),
 }
 """The studies that belong to each half of the paper."""
@@ -34,8 +32,6 @@ class Experiments:
     """Single facts that claims of the paper rest on."""
     path_following: settings.PathFollowingSettings = field(default_factory=settings.path_following_settings)
     """Figs. 12 to 23 and Table 2."""
-    parity: ParitySettings = field(default_factory=ParitySettings)
-    """Whether both models agree; only with the model spatial."""
 
 
 def paper_experiments(parameters: Parameters | None = None) -> Experiments:

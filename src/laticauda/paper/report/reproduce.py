@@ -19,7 +19,7 @@ from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report import efficiency, experiments, parity, path_following
+from laticauda.paper.report import efficiency, experiments, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
@@ -30,7 +30,6 @@ TITLE = "Underwater snake robots with and without a caudal fin: the paper's expe
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
     "path_following": ("Path following", path_following.path_following_chapter),
-    "parity": ("Planar against spatial model", parity.parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
 
@@ -84,7 +83,7 @@ def reproduce(
         folder: Made if it does not exist; files of the same names are replaced, others are left alone.
         settings: Of all studies; None takes the paper's. `paper_experiments` makes those for other coefficients.
         only: One of `STUDIES`; None runs all there are.
-        model: By which model, or its name; `spatial` is compared with the planar one besides.
+        model: By which model, or its name.
         repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
         workers: Processes to spread the studies over. More than 1 needs a script whose main part stands under
             ``if __name__ == "__main__":``, as all of Python's process pools do.
@@ -109,7 +108,7 @@ def reproduce(
     how = scenarios.settings_of(by)
     names = [name for name in experiments.RUNS if only is None or name in experiments.HALVES[only]]
     do = partial(_do, settings, by, folder, repeats)
-    done = _run(do, [name for name in names if name != "parity" or how["model"] == "spatial"], workers, progress)
+    done = _run(do, names, workers, progress)
     results = {name: part.study for name, part in done.items()}
     judged = claims(*results.values())
     written, first = write_chapter(summary_chapter(results, judged), folder)
