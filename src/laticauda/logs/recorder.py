@@ -8,8 +8,10 @@ ROS, with its data as JSON. Units stand in the metadata of each channel, under "
 from __future__ import annotations
 
 import json
+import math
 import struct
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 from laticauda.errors import BadArgument
@@ -31,14 +33,14 @@ class Recorder(message_file.MessageFile):
         ...     recorder.event(0.5, "running", {"gait": "eel_like"})
     """
 
-    def message(self, topic: str, time: float, kind: str, content: Mapping[str, Any], *, unit: str = "") -> None:
+    def message(self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = "") -> None:
         """Record any message of a known type.
 
         Args:
             topic: As "/joint_states"; its messages are all of one type.
             time: When it happened [s], not negative: since the start of the run, or since 1970.
             kind: The ROS type, one of `ros2.DEFINITIONS`, as "std_msgs/Float64".
-            content: Its fields.
+            content: Its fields, by name or in the order of the definition.
             unit: Of its numbers; kept with the first message of the topic.
 
         Raises:
@@ -66,13 +68,7 @@ class Recorder(message_file.MessageFile):
             velocity: Their rates [rad/s]; empty if not known.
             effort: Their torques [N m]; empty if not known.
         """
-        content = {
-            "header": _header(time, ""),
-            "name": names,
-            "position": position,
-            "velocity": velocity,
-            "effort": effort,
-        }
+        content = _header(time, ""), names, position, velocity, effort
         self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
 
     def pose(
@@ -92,8 +88,8 @@ class Recorder(message_file.MessageFile):
             quaternion: Its orientation w, x, y, z [-].
             frame: Whose axes these are.
         """
-        pose = {"position": _xyz(position), "orientation": _quaternion(quaternion)}
-        self.message(topic, time, "geometry_msgs/PoseStamped", {"header": _header(time, frame), "pose": pose}, unit="m")
+        content = _header(time, frame), (position, _scalar_last(quaternion))
+        self.message(topic, time, "geometry_msgs/PoseStamped", content, unit="m")
 
     def transforms(
         self, time: float, frames: Mapping[str, tuple[Sequence[float], Sequence[float]]], parent: str = WORLD
@@ -106,15 +102,8 @@ class Recorder(message_file.MessageFile):
             parent: In whose axes.
         """
         header = _header(time, parent)
-        transforms = [
-            {
-                "header": header,
-                "child_frame_id": name,
-                "transform": {"translation": _xyz(position), "rotation": _quaternion(quaternion)},
-            }
-            for name, (position, quaternion) in frames.items()
-        ]
-        self.message("/tf", time, "tf2_msgs/TFMessage", {"transforms": transforms}, unit="m")
+        transforms = [(header, name, (place, _scalar_last(turn))) for name, (place, turn) in frames.items()]
+        self.message("/tf", time, "tf2_msgs/TFMessage", (transforms,), unit="m")
 
     def scalar(self, topic: str, time: float, value: float, unit: str = "") -> None:
         """Record one number (std_msgs/Float64).
@@ -125,7 +114,7 @@ class Recorder(message_file.MessageFile):
             value: The number.
             unit: Its unit.
         """
-        self.message(topic, time, "std_msgs/Float64", {"data": value}, unit=unit)
+        self.message(topic, time, "std_msgs/Float64", (value,), unit=unit)
 
     def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
         """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
@@ -140,17 +129,10 @@ class Recorder(message_file.MessageFile):
         import numpy as np
 
         numbers = np.asarray(values, dtype=np.float64)
-        sizes = numbers.shape
-        dim = [
-            {
-                "label": labels[i] if i < len(labels) else "",
-                "size": size,
-                "stride": int(np.prod(sizes[i:], dtype=np.int64)),
-            }
-            for i, size in enumerate(sizes)
-        ]
-        content = {"layout": {"dim": dim, "data_offset": 0}, "data": numbers.ravel()}
-        self.message(topic, time, "std_msgs/Float64MultiArray", content, unit=unit)
+        axes = zip_longest(labels[: numbers.ndim], numbers.shape, fillvalue="")
+        strides = (math.prod(numbers.shape[i:]) for i in range(numbers.ndim))
+        dimensions = [(*axis, stride) for axis, stride in zip(axes, strides, strict=True)]
+        self.message(topic, time, "std_msgs/Float64MultiArray", ((dimensions, 0), numbers.ravel()), unit=unit)
 
     def can_frame(self, topic: str, time: float, identifier: int, data: bytes) -> None:
         """Record a raw frame of a CAN bus (can_msgs/Frame).
@@ -182,7 +164,7 @@ class Recorder(message_file.MessageFile):
             time: When, as for `message` [s].
             content: The data.
         """
-        self.message(topic, time, "std_msgs/String", {"data": json.dumps(content)}, unit="json")
+        self.message(topic, time, "std_msgs/String", (json.dumps(content),), unit="json")
 
     def event(self, time: float, name: str, data: object = None, *, level: str = "info") -> None:
         """Record an event on /events (rcl_interfaces/Log), and hand on the chunk: what happens last matters most.
@@ -202,28 +184,15 @@ class Recorder(message_file.MessageFile):
             text = "" if data is None else json.dumps(data)
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
-        content = {
-            "stamp": ros2.stamp(message_file.nanoseconds(time)),
-            "level": LEVELS[level],
-            "name": name,
-            "msg": text,
-            "file": "",
-            "function": "",
-            "line": 0,
-        }
-        self.message("/events", time, "rcl_interfaces/Log", content)
+        stamp = ros2.stamp(message_file.nanoseconds(time))
+        self.message("/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0))
         self.flush()
 
 
-def _header(time: float, frame: str) -> dict[str, Any]:
-    return {"stamp": ros2.stamp(message_file.nanoseconds(time)), "frame_id": frame}
+def _header(time: float, frame: str) -> tuple[Any, ...]:
+    return ros2.stamp(message_file.nanoseconds(time)), frame
 
 
-def _xyz(values: Sequence[float]) -> dict[str, float]:
-    x, y, z = values
-    return {"x": x, "y": y, "z": z}
-
-
-def _quaternion(values: Sequence[float]) -> dict[str, float]:
-    w, x, y, z = values
-    return {"x": x, "y": y, "z": z, "w": w}
+def _scalar_last(quaternion: Sequence[float]) -> tuple[float, ...]:
+    w, x, y, z = quaternion
+    return x, y, z, w

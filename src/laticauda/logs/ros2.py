@@ -11,7 +11,7 @@ the encoding (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
 
 import functools
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from mcap.records import Schema
 
 Message: TypeAlias = dict[str, Any]
+Content: TypeAlias = Mapping[str, Any] | Sequence[Any]
+"""The fields of a message, by name or in the order of its definition."""
 
 DEFINITIONS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
@@ -101,17 +103,17 @@ def schema_text(name: str) -> str:
     return DEFINITIONS[name] + "".join(f"{RULE}\nMSG: {one}\n{DEFINITIONS[one]}" for one in found[1:])
 
 
-def stamp(nanoseconds: int) -> Message:
-    """A moment as `builtin_interfaces/Time`."""
-    return {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}
+def stamp(nanoseconds: int) -> tuple[int, int]:
+    """A moment as `builtin_interfaces/Time`: seconds and nanoseconds."""
+    return divmod(nanoseconds, 10**9)
 
 
-def encode(name: str, message: Mapping[str, Any]) -> bytes:
+def encode(name: str, message: Content) -> bytes:
     """The bytes of a message.
 
     Args:
         name: Of its type, one of `DEFINITIONS`.
-        message: Its fields.
+        message: Its fields; those of messages in it likewise.
 
     Raises:
         ValueError: If a field is missing or does not fit.
@@ -175,6 +177,8 @@ def _write(body: bytearray, kind: str, value: Any) -> None:
         _write(body, "uint32", len(text) + 1)
         body += text + b"\x00"
     else:
+        if not isinstance(value, Mapping):
+            value = dict(zip((field.name for field in _fields(kind)), value, strict=True))
         for field in _fields(kind):
             try:
                 if field.size is None:
