@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.interfaces import Command, OpenLoop, Start
+from laticauda.control import OffsetSteps
+from laticauda.interfaces import Command, OpenLoop, Resumed, Start
 from laticauda.robot import Scene
 from laticauda.simulate import plant, run
 from laticauda.spatial.scene import HeightField, Mjcf, Pegs, Slope, Tank
@@ -220,6 +221,26 @@ def test_every_robot_of_a_scene_has_its_own_controller():
     free, led = lc.swim_together([one(0.0), steered])
     assert "cross_track_error" in led.signals and "cross_track_error" not in free.signals
     np.testing.assert_allclose(led.center_of_mass, lc.swim(steered).center_of_mass, atol=1e-9)
+
+
+def test_a_delay_is_of_the_robot_whose_commands_are_late():
+    led = OffsetSteps(gait=GAIT, offsets=(0.3, -0.3), interval=0.5)
+    far = {"model": "spatial", "scene": "open", "start": Start(center_of_mass=(0.0, 4.0))}
+    late, other = lc.scenario("mamba", led, 1.0, loop_delay=0.12, **far), one(0.0, duration=1.0)
+    for together, scenario in zip(lc.swim_together([other, late]), (other, late), strict=True):
+        np.testing.assert_allclose(together.center_of_mass, lc.swim(scenario).center_of_mass, atol=1e-9)
+        np.testing.assert_allclose(together.link_angle, lc.swim(scenario).link_angle, atol=1e-9)
+    at_once = lc.swim_together([other, replace(late, model=replace(late.model, loop_delay=0.0))])[1]
+    assert np.max(np.abs(at_once.link_angle - together.link_angle)) > 0.01
+
+
+def test_robots_of_a_scene_go_on_from_where_they_touched():
+    scenarios = [one(y, joints="servo") for y in (0.0, 0.25)]
+    whole = lc.swim_together([replace(scenario, duration=4.0) for scenario in scenarios])
+    ends = [Resumed(state=trial.state) for trial in lc.swim_together(scenarios)]
+    rest = lc.swim_together([replace(one, start=end) for one, end in zip(scenarios, ends, strict=True)])
+    for trial, half in zip(whole, rest, strict=True):
+        np.testing.assert_array_equal(half.center_of_mass, trial.center_of_mass[-len(half.time) :])
 
 
 def test_robots_that_cannot_be_in_one_scene_are_refused_by_name():

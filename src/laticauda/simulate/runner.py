@@ -1,7 +1,7 @@
 """Run a plant on a clock and keep the log."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +20,9 @@ from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
 Until = Callable[[Observation], bool]
+States = Sequence[Any]
+Marched = tuple[States, Sequence[series.Log], str | None]
+"""States and logs of all plants after a stretch of time, and what went wrong, if anything."""
 
 CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
@@ -84,74 +87,119 @@ def run(
         duration=duration,
         sample_interval=sample_interval,
     )
+
+    def march(states: States, commands: Sequence[Command], share: float, interval: float) -> Marched:
+        state, log, failure = plant.march(states[0], commands[0], share, interval, link_forces=link_forces)
+        return [state], [log], failure
+
+    (trial,) = run_all([scenario], [plant], march, until=until, progress=progress)
+    if throw and not trial.succeeded:
+        raise SimulationFailed(trial.status)
+    return trial
+
+
+def run_all(
+    scenarios: Sequence[Scenario],
+    plants: Sequence[Plant[Any]],
+    march: Callable[[States, Sequence[Command], float, float], Marched],
+    *,
+    until: Until | None = None,
+    check: Callable[[States], object] = lambda states: None,
+    progress: Progress | None = None,
+) -> list[Trial]:
+    """Let plants that march together be driven by the controllers of their scenarios; see `run`.
+
+    Args:
+        scenarios: One for each plant, all of one duration and sample interval.
+        plants: What swims.
+        march: As `Plant.march`, with the states, commands and logs of all.
+        until: Asked of the first one.
+        check: Refuses states to begin with.
+        progress: See `run`.
+
+    Raises:
+        ValueError: If an argument is out of its range, or a controller refuses its robot.
+    """
+    duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     check_size(duration, sample_interval)
-    controller.check(plant.robot)
-    state = _begun(plant, scenario.start, controller.gait)
-    controller_state = controller.init()
-    line = _Line(commands=[(0.0, Command(gait=controller.gait))], delay=_delay(plant, controller, start))
-    logs: list[series.Log] = []
-    signals: list[Mapping[str, float]] = []
+    controllers = [one.controller for one in scenarios]
+    for controller, body in zip(controllers, plants, strict=True):
+        controller.check(body.robot)
+    states = [_begun(body, one.start, one.gait) for body, one in zip(plants, scenarios, strict=True)]
+    check(states)
+    minds = [controller.init() for controller in controllers]
+    commands = [Command(gait=controller.gait) for controller in controllers]
+    delays = [_delay(body, one.controller, one.start) for body, one in zip(plants, scenarios, strict=True)]
+    line = _Line(march=march, commands=[[(0.0, command)] for command in commands], delays=delays)
+    pace = min(controller.interval for controller in controllers)
+    logs: list[list[series.Log]] = []
+    signals: list[list[Mapping[str, float]]] = []
     failure: str | None = None
     reached, now = 0, 0.0
-    for share, count, done in stretches(duration, sample_interval, controller.interval):
-        observation = plant.observe(state)
-        if until is not None and logs and until(observation):
-            scenario = replace(scenario, duration=_cut(duration, controller.interval, reached))
+    for share, count, done in _stretches(duration, sample_interval, pace):
+        seen = [body.observe(state) for body, state in zip(plants, states, strict=True)]
+        if until is not None and logs and until(seen[0]):
+            scenarios = [replace(one, duration=_cut(duration, pace, reached)) for one in scenarios]
             break
-        controller_state, command = controller.step(controller_state, observation)
-        instance("command", command, Command)
-        signals.append(controller.signals(controller_state))
-        state, log, failure = line.march(plant, state, command, now, share, count, link_forces)
-        logs.append(log.at(slice(1, None)) if logs else log)
+        for k, controller in enumerate(controllers):
+            if not logs or controller.interval <= pace:
+                minds[k], commands[k] = controller.step(minds[k], seen[k])
+                instance("command", commands[k], Command)
+        signals.append([controller.signals(mind) for controller, mind in zip(controllers, minds, strict=True)])
+        states, found, failure = line.march_on(states, commands, now, share, count)
+        logs.append([log.at(slice(1, None)) if logs else log for log in found])
         if failure is not None:
             break
         reached, now = reached + 1, done
         if progress is not None:
             progress(done)
-    if throw and failure is not None:
-        raise SimulationFailed(failure)
-    log, said = series.concatenated(logs), held(signals, [part.time.size for part in logs])
-    return Trial(
-        **vars(replace(log, signals={**said, **log.signals})),
-        scenario=scenario,
-        version=packaging.__version__,
-        status=failure or "The run reached its end.",
-        succeeded=failure is None,
-        state=plant.pack(state) if failure is None else {},
-    )
+    trials: list[Trial] = []
+    for k, one in enumerate(scenarios):
+        parts = [found[k] for found in logs]
+        log, said = series.concatenated(parts), _held([each[k] for each in signals], [part.time.size for part in parts])
+        trial = Trial(
+            **vars(replace(log, signals={**said, **log.signals})),
+            scenario=one,
+            version=packaging.__version__,
+            status=failure or "The run reached its end.",
+            succeeded=failure is None,
+            state=plants[k].pack(states[k]) if failure is None else {},
+        )
+        trials.append(trial)
+    return trials
 
 
 @dataclass(kw_only=True)
 class _Line:
-    """What lies between a controller and the joints, and keeps commands for a while."""
+    """What lies between controllers and joints, and keeps commands for a while."""
 
-    commands: list[tuple[float, Command]]
-    """From when on each acts [s]; the first one does."""
-    delay: float
-    """[s]."""
+    march: Callable[[States, Sequence[Command], float, float], Marched]
+    """See `run_all`."""
+    commands: list[list[tuple[float, Command]]]
+    """Of each robot: from when on each acts [s]; the first one does."""
+    delays: list[float]
+    """Of each robot [s]."""
 
-    def march(
-        self, plant: Plant[Any], state: Any, command: Command, now: float, share: float, count: int, link_forces: bool
-    ) -> tuple[Any, series.Log, str | None]:
-        """Let a stretch of time go by at whose begin a command is given; see `Plant.march`."""
-        self.commands.append((now + self.delay, command))
-        while len(self.commands) > 1 and self.commands[1][0] <= now + CLOSE:
-            del self.commands[0]
+    def march_on(self, states: States, commands: Sequence[Command], now: float, share: float, count: int) -> Marched:
+        """Let a stretch of time go by at whose begin commands are given; see `Plant.march`."""
+        for line, delay, command in zip(self.commands, self.delays, commands, strict=True):
+            line.append((now + delay, command))
+            while len(line) > 1 and line[1][0] <= now + CLOSE:
+                del line[0]
         interval = share / count
-        turns = [due - now for due, _ in self.commands[1:] if due < now + share - CLOSE]
+        turns = [due - now for line in self.commands for due, _ in line[1:] if due < now + share - CLOSE]
         if not turns:
-            return plant.march(state, self.commands[0][1], share, interval, link_forces=link_forces)
+            return self.march(states, [line[0][1] for line in self.commands], share, interval)
         samples = [i * interval for i in range(count + 1)]
-        between = [turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE]
-        logs, failure = list[series.Log](), None
+        between = {turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE}
+        logs, failure = list[list[series.Log]](), None
         for begin, end in pairwise(sorted([*samples, *between])):
-            acting = sum(turn <= begin + CLOSE for turn in turns)
-            step = end - begin
-            state, log, failure = plant.march(state, self.commands[acting][1], step, step, link_forces=link_forces)
-            logs.append(log.at(slice(1 if logs else 0, None if end in samples else -1)))
+            acting = [[one for due, one in line if due - now <= begin + CLOSE][-1] for line in self.commands]
+            states, found, failure = self.march(states, acting, end - begin, end - begin)
+            logs.append([log.at(slice(1 if logs else 0, None if end in samples else -1)) for log in found])
             if failure is not None:
                 break
-        return state, series.concatenated(logs), failure
+        return states, [series.concatenated(parts) for parts in zip(*logs, strict=True)], failure
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
@@ -241,7 +289,7 @@ def _cut(duration: float, interval: float, n_reached: int) -> float:
     return next((duration for duration in around if duration / n_reached == length), cut)
 
 
-def stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
+def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
     """Cut a run at its control instants, and long stretches where `progress` wants to know.
 
     Yields:
@@ -256,7 +304,7 @@ def stretches(duration: float, sample_interval: float, control_interval: float) 
             yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
 
 
-def held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
+def _held(signals: Sequence[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
     """Signals at the samples of the log, each held from its control instant to the next."""
     # A stretch begins at its control instant, but that sample is stored as the last one of the stretch before.
     counts = np.array(n_samples)

@@ -8,7 +8,7 @@ import numpy as np
 
 from laticauda import series
 from laticauda.dynamics.plant import PlantState
-from laticauda.interfaces import Command, Start
+from laticauda.interfaces import Command
 from laticauda.spatial import model, rows, scene, twin
 
 
@@ -25,20 +25,10 @@ class Together:
         self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
         self._environment = first.environment
 
-    def init(self, starts: Sequence[Start], commands: Sequence[Command]) -> list[PlantState]:
-        """The states at time 0; see `Plant.init`.
-
-        Args:
-            starts: Of each robot.
-            commands: Likewise.
-
-        Raises:
-            ValueError: If robots begin in one another, or in something.
-        """
-        each = [plant.init(a, b) for plant, a, b in zip(self.plants, starts, commands, strict=True)]
+    def check(self, each: Sequence[PlantState]) -> None:
+        """Refuse states to begin with in which robots are in one another, or in something; in that case ValueError."""
         data = self.twin.data([state.values for state in each])
         scene.check_free(self.twin.model, data, self.twin.order.tolist())
-        return each
 
     def march(
         self, each: Sequence[PlantState], commands: Sequence[Command], duration: float, sample_interval: float
