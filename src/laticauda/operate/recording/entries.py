@@ -1,21 +1,18 @@
-"""What a recording holds beside the estimator's samples and estimates, and all of it as numbers, bit for bit.
+"""What a recording holds, and the estimator's samples, its estimates and the loop's ticks as messages, bit for bit."""
 
-A schema says how an entry is an array: what may be missing is nan; what is of variable length comes last, behind its
-length.
-"""
-
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias, get_args
+from functools import cache
+from typing import Any, NamedTuple, TypeAlias, cast, get_args, get_type_hints
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.interfaces import Command
+from laticauda.logs import ros2
 from laticauda.quantities import quantity, value
 
 
@@ -116,113 +113,65 @@ class Timing:
         return found
 
 
-Numbers: TypeAlias = Float[np.ndarray, " _"]
-ESTIMATE, IN_SPACE = "/estimate", "/estimate/in_space"
-OPTIONAL = ("rotation", "rate", "torque", "current", "average", "minimum", "maximum", "since")
-"""Fields that are None where nothing was measured."""
-_STATUS = get_args(Status)
-
-
-@dataclass(frozen=True)
-class Schema:
-    """The fields of one kind of message in their order."""
-
-    kind: type[Any]
-    """Its class."""
-    label: str
-    """What the numbers are, each in SI units."""
-    layout: str
-    """The fields, and behind a colon how many numbers one has that is an array: a number, `n` or `n+1`, where the field
-    `n` says how many joints there are, or `...` for the rest."""
-
-    @cached_property
-    def fields(self) -> tuple[tuple[str, str], ...]:
-        """Names and sizes; "" is the size of a plain number."""
-        return tuple((name, size) for name, _, size in (word.partition(":") for word in self.layout.split()))
-
-    def pack(self, entry: Any) -> Numbers:
-        """An entry of this kind as numbers."""
-        n = entry.joint_angle.size if isinstance(entry, Estimate) else getattr(entry, "angle", np.zeros(0)).size
-        flat: list[float] = []  # quicker than arrays, for so few numbers
-        for name, size in self.fields:
-            value: Any = n if name == "n" else getattr(entry, name)
-            if value is None:
-                flat += [np.nan] * _count(size, n)
-            elif not size:
-                flat.append(_STATUS.index(value) if name == "status" else value)
-            else:
-                flat += value.ravel().tolist()
-        return np.array(flat, dtype=np.float64)
-
-    def unpack(self, topic: str, numbers: Sequence[float] | Numbers) -> Any:
-        """The entry again.
-
-        Args:
-            topic: Where it was recorded.
-            numbers: As `pack` made them.
-
-        Raises:
-            ValueError: If they are too few or too many, or no such entry.
-        """
-        data = np.asarray(numbers, dtype=np.float64)
-        values: dict[str, Any] = {}
-        at = n = 0
-        for name, size in self.fields:
-            count = data.size - at if size == "..." else _count(size, n)
-            part = data[at : at + count].copy()
-            at += count
-            if name == "n":
-                n = int(part[0]) if part.size else 0
-            else:
-                values[name] = _value(name, size, part) if part.size == count else None
-        if at != data.size:
-            raise BadArgument(topic, f"must hold {at} numbers, got {data.size}")
-        return self.kind(**values)
-
-
-def _count(size: str, n: int) -> int:
-    return {"": 1, "n": n, "n+1": n + 1}[size] if size in ("", "n", "n+1") else int(size)
-
-
-def _value(name: str, size: str, part: Numbers) -> Any:
-    if name in OPTIONAL and np.isnan(part).all():
-        return None
-    if name == "status":
-        return _STATUS[int(part[0])]
-    if name == "rotation":
-        return part.reshape(3, 3)
-    return part if size else float(part[0])
-
-
-SCHEMAS: dict[str, Schema] = {
-    "/sample/pose": Schema(
-        PoseSample, "time, x, y, z, rotation row by row, residual", "time position:3 rotation:9 residual"
-    ),
-    "/sample/joints": Schema(JointSample, "time, n, n angles, n rates, n torques", "time n angle:n rate:n torque:n"),
-    "/sample/references": Schema(ReferenceSample, "time, frequency, angles", "time frequency angle:..."),
-    "/sample/power": Schema(
-        PowerReading,
-        "time, current, average, minimum, maximum, since",
-        "time current average minimum maximum since",
-    ),
-    ESTIMATE: Schema(
-        Estimate,
-        "time, status, age, center of mass, its velocity, heading, heading rate, std of center of mass, "
-        "std of heading, current, its std, n joints, n joint angles, n joint rates, n + 1 link angles",
-        "time status age center_of_mass:2 center_of_mass_velocity:2 heading heading_rate center_of_mass_std "
-        "heading_std current:2 current_std n joint_angle:n joint_rate:n link_angle:n+1",
-    ),
-    IN_SPACE: Schema(
-        Estimate,
-        "time, status, age, center of mass, its velocity, heading, heading rate, pitch, "
-        "n joints, n joint angles, n joint rates, n + 1 link angles",
-        "time status age center_of_mass:3 center_of_mass_velocity:3 heading heading_rate pitch "
-        "n joint_angle:n joint_rate:n link_angle:n+1",
-    ),
+TOPICS: Mapping[str, type[Any]] = {
+    "/sample/pose": PoseSample,
+    "/sample/joints": JointSample,
+    "/sample/references": ReferenceSample,
+    "/sample/power": PowerReading,
+    "/estimate": Estimate,
+    "/loop/tick": Tick,
 }
-_TOPICS = {schema.kind: topic for topic, schema in SCHEMAS.items() if topic != IN_SPACE}
+"""Where entries are recorded that are messages of their own type, with the fields of their class."""
+TOPIC_OF = {kind: topic for topic, kind in TOPICS.items()}
+_PLAIN = {float: "float64", float | None: "float64", Status: "string"}
+"""ROS types of fields by those of Python; all others are arrays."""
 
 
-def topic_of(entry: Measurement | Estimate) -> str:
-    """Where an entry is recorded."""
-    return IN_SPACE if isinstance(entry, Estimate) and entry.center_of_mass.size == 3 else _TOPICS[type(entry)]
+@cache
+def _fields(kind: type[Any]) -> Mapping[str, Any]:
+    return get_type_hints(kind)
+
+
+def kind_of(kind: type[Any]) -> str:
+    """The ROS type of the entries of a class."""
+    return f"laticauda_msgs/{kind.__name__}"
+
+
+def _definition(kind: type[Any]) -> str:
+    return "".join(f"{_PLAIN.get(hint, 'float64[]')} {name}\n" for name, hint in _fields(kind).items())
+
+
+ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
+
+
+def content_of(entry: Any) -> list[Any]:
+    """What a message of an entry holds, bit for bit: a number that is None is nan, and an array is empty."""
+    content, kind = list[Any](), cast("type[Any]", type(entry))
+    for name, hint in _fields(kind).items():
+        value = getattr(entry, name)
+        if value is None:
+            content.append(math.nan if hint in _PLAIN else ())
+        else:
+            content.append(value if hint in _PLAIN else value.ravel())
+    return content
+
+
+def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
+    """The entry again.
+
+    Args:
+        topic: Where it was recorded.
+        content: Of the message, by field.
+
+    Raises:
+        KeyError: If a field is missing.
+        ValueError: If it is no such entry.
+    """
+    values: dict[str, Any] = {}
+    for name, hint in _fields(TOPICS[topic]).items():
+        value = content[name]
+        if hint not in _PLAIN:
+            value = np.array(value, dtype=np.float64).reshape((3, 3) if name == "rotation" and len(value) else -1)
+        is_nothing = value.size == 0 if isinstance(value, np.ndarray) else value != value
+        values[name] = None if is_nothing and type(None) in get_args(hint) else value
+    return TOPICS[topic](**values)

@@ -11,9 +11,9 @@ from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
-from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing
+from laticauda.operate.recording.entries import TOPICS, Decision, Event, Measurement, Tick, Timing, entry_of
 from laticauda.operate.recording.header import FORMAT, HEADER, Header, header_from_texts
-from laticauda.operate.recording.recorder import COMMAND, TICK
+from laticauda.operate.recording.recorder import COMMAND
 
 Entry = Measurement | Estimate | Decision | Event | Tick
 
@@ -77,7 +77,7 @@ def read_operation(path: str | Path) -> OperationLog:
     try:
         with codec.keys_of(f"Cannot load {path}", TrialFileError):
             header = header_from_texts(texts)
-            entries = tuple(_entry(logged) for logged in recording.messages(*SCHEMAS, COMMAND, TICK, "/events"))
+            entries = tuple(_entry(logged) for logged in recording.messages(*TOPICS, COMMAND, "/events"))
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
     except (ValueError, TypeError, IndexError) as error:
@@ -102,9 +102,7 @@ def _entry(logged: logs.Logged) -> Entry:
         decided = json.loads(content["data"])
         decided["command"] = codec.decode(interfaces.Command, decided["command"], "command")
         return Decision(**decided)
-    if logged.topic == TICK:
-        return Tick(*content["data"])
-    return SCHEMAS[logged.topic].unpack(logged.topic, content["data"])
+    return entry_of(logged.topic, content)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,19 +9,17 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import numpy as np
-
 from laticauda import codec, estimation, interfaces, logs
 from laticauda.errors import not_negative
 from laticauda.kinematics import to_quaternion, turn
 from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.recording.entries import SCHEMAS, Event, Measurement, PowerReading, Tick, topic_of
+from laticauda.operate.recording import entries
+from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
 from laticauda.operate.recording.header import HEADER, Header
 
 CHUNK = 0.5  # what is lost at most when the program is killed [s]
 COMMAND = "/command"
-TICK = "/loop/tick"
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning"}
 
@@ -56,7 +54,7 @@ class OperationRecorder(logs.Recorder):
             received: When it came; None: when it was taken [s].
         """
         time = sample.time if received is None else not_negative("received", received, "s")
-        self._array(topic_of(sample), time, sample)
+        self._entry(time, sample)
         if isinstance(sample, estimation.JointSample):
             names = next(n for n in (self._driven, self._joints, self._yaw) if sample.angle.size == len(n))
             rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
@@ -70,15 +68,15 @@ class OperationRecorder(logs.Recorder):
     def estimate(self, estimate: estimation.Estimate) -> None:
         """An `estimate` of where the robot was."""
         time = estimate.time
-        self._array(topic_of(estimate), time, estimate)
+        self._entry(time, estimate)
         x, y, z = (*estimate.center_of_mass.tolist(), 0.0)[:3]
         turned = to_quaternion(turn("yaw", estimate.heading) @ turn("pitch", estimate.pitch))
         self.pose("/estimate/body", time, (x, y, z), turned)
         self.scalar("/estimate/heading", time, estimate.heading, unit="rad")
 
-    def _array(self, topic: str, time: float, entry: Measurement | estimation.Estimate) -> None:
-        schema = SCHEMAS[topic]
-        self.array(topic, time, schema.pack(entry), unit="SI", labels=(schema.label,))
+    def _entry(self, time: float, entry: Measurement | estimation.Estimate | Tick) -> None:
+        kind = type(entry)
+        self.message(entries.TOPIC_OF[kind], time, entries.kind_of(kind), entries.content_of(entry), unit="SI")
 
     def command(self, time: float, command: interfaces.Command, signals: Mapping[str, float] | None = None) -> None:
         """What a controller decided.
@@ -95,7 +93,7 @@ class OperationRecorder(logs.Recorder):
 
     def tick(self, tick: Tick) -> None:
         """When a `tick` of the loop was due, when it began, and when its last frame was sent."""
-        self.array(TICK, tick.began, np.array(tick), unit="s", labels=("due, began, sent",))
+        self._entry(tick.began, tick)
 
     def can(self, time: float, identifier: int, data: bytes, *, sent: bool = False) -> None:
         """A raw frame of the bus.
