@@ -12,7 +12,7 @@ MADE_OF = [
     PLANAR,
     ("laticauda.spatial.drives", "laticauda.spatial.stepping"),
     ("laticauda.mujoco_water.loads",),
-    ("laticauda.cosim.fmu.entry",),
+    ("laticauda.cosim.native.platforms",),
 ]
 # The least of the kernels that the drag law is in, and the one that the joint laws are in.
 TOW = """

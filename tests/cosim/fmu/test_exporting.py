@@ -12,11 +12,11 @@ import pytest
 
 import laticauda as lc
 from laticauda.cosim import export_fmu
-from laticauda.cosim.fmu.variables import variables_of
+from laticauda.cosim.native.variables import variables_of
 from laticauda.errors import MissingProgram
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.interfaces import Command, Start
-from laticauda.robot import Joint, Robot, Water
+from laticauda.robot import Joint, Robot
 from laticauda.simulate import plant
 
 fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
@@ -534,7 +534,10 @@ def test_what_cannot_be_exported_is_refused_by_name(tmp_path, monkeypatch, setti
 def test_without_a_c_compiler_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(MissingProgram, match=r"^An FMU needs a C compiler; .*`apt-get install gcc libc6-dev`.$"):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(
+        MissingProgram, match=r"^A library of machine code needs a C compiler; .*`apt-get install gcc libc6-dev`.$"
+    ):
         export_fmu(tmp_path / "snake.fmu", lc.load_robot("mamba"), GAIT)
     monkeypatch.setenv("CC", "none-such -m64")
     with pytest.raises(MissingProgram, match=r"`none-such` \(the environment says CC=none-such -m64\)"):
@@ -556,11 +559,3 @@ def test_the_numbers_of_a_flow_of_one_formula_are_parameters_and_water_that_move
     expected = {f"current.{name}": ("parameter", getattr(vortex, name)) for name in vortex.formula.fields}
     assert names(vortex) == expected
     assert names(GUSTS) == {}
-
-
-def test_a_water_that_is_not_the_papers_needs_no_new_machine_code(make, tmp_path):
-    from laticauda.cosim.fmu import needs_compiling
-
-    make()
-    water = Water(tangential_friction=0.1, normal_drag=1.0, added_mass=1.0)
-    assert not needs_compiling(water)

@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from laticauda.cosim.fmu.variables import Variable
+from laticauda.cosim.native.variables import Variable
 from laticauda.packaging import __version__
 
 # Name, exponents of kg, m, s and rad.
@@ -27,7 +27,6 @@ UNITS = {
 DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
 VERSIONS = ("2.0", "3.0")
-BINARIES = {"2.0": "linux64", "3.0": "x86_64-linux"}  # folder of the library
 PAGE = Path(__file__).with_name("page.html")
 VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "continuous", "output": "continuous"}
 

@@ -7,9 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import laticauda as lc
-from laticauda.cosim.fmu import entry
-from laticauda.cosim.fmu.exporting import tables_in_c
-from laticauda.cosim.fmu.tables import Tables, tables_of
+from laticauda.cosim.native import entry
+from laticauda.cosim.native.tables import Tables, tables_in_c, tables_of
 from laticauda.interfaces import Start
 from laticauda.planar.layout import layout
 from laticauda.robot import Water

@@ -1,5 +1,6 @@
 """A robot in water as two arrays of numbers for the compiled function, and the table of its variables."""
 
+import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -8,12 +9,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 import laticauda as lc
-from laticauda.cosim.fmu import entry
-from laticauda.cosim.fmu.variables import Variable, variables_of
+from laticauda.cosim.native import entry
+from laticauda.cosim.native.variables import Variable, variables_of
 from laticauda.planar import model, rows
 from laticauda.planar.layout import layout
 
 Triples = Sequence[tuple[int, int, float]]
+LETTERS = {"independent": "t", "parameter": "p", "input": "i", "output": "o"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -143,3 +145,45 @@ def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, fie
     change = (other - here) / step
     change[np.abs(other - here) <= 1e-13 * np.abs(here)] = 0.0
     return change
+
+
+def tables_in_c(tables: Tables, guid: str) -> str:
+    """The header with a robot's numbers, exact to the last bit.
+
+    Args:
+        tables: Robot and variables.
+        guid: What tells this FMU from others.
+    """
+    variables = tables.variables
+    texts = ", ".join(f'"{variable.name}"' for variable in variables)
+    letters = ", ".join(f"'{LETTERS[variable.causality]}'" for variable in variables)
+    return "\n".join(
+        (
+            "/* Written by laticauda: the numbers of one robot. */",
+            "#include <math.h>",
+            "#include <stdint.h>",
+            f'#define MODEL "{guid}"',
+            f"#define DIGEST UINT64_C(0x{hashlib.sha256(guid.encode()).hexdigest()[:16]})",
+            f"#define N_VARIABLES {len(variables)}",
+            f"#define N_NUMBERS {tables.n_rows + entry.SCRATCH}",
+            f"#define DT {tables.whole[entry.DT]}",
+            f"static const int64_t whole[] = {{{', '.join(map(str, tables.whole.tolist()))}}};",
+            f"static const double real[] = {{{_reals(tables.real)}}};",
+            f"static const double first_values[N_VARIABLES] = {{{_reals(v.start for v in variables)}}};",
+            f"static const double least[N_VARIABLES] = {{{_reals(v.least for v in variables)}}};",
+            f"static const double most[N_VARIABLES] = {{{_reals(v.most for v in variables)}}};",
+            f"static const char causality[N_VARIABLES] = {{{letters}}};",
+            f"static const char *const names[N_VARIABLES] = {{{texts}}};",
+            "",
+        )
+    )
+
+
+def _reals(numbers: Iterable[float] | Sequence[float] | np.ndarray) -> str:
+    return ", ".join(_real(float(number)) for number in numbers)
+
+
+def _real(number: float) -> str:
+    if number in (float("inf"), float("-inf")):
+        return "INFINITY" if number > 0.0 else "-INFINITY"
+    return number.hex()

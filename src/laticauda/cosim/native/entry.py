@@ -1,8 +1,8 @@
-"""The planar kernels as machine code that needs no Python: one function of plain pointers, in an object file.
+"""The planar kernels without Python: one function of plain pointers, in LLVM's code.
 
 The same templates that `swim` runs (`laticauda.planar.model`) are compiled once more, with nothing of Numba's own
-runtime left in them, and LLVM writes them out for any processor of this family. The function knows no robot: what
-swims, and which number of it stands behind which variable, are the two arrays of `laticauda.cosim.fmu.tables`.
+runtime left in them; `laticauda.cosim.native.platforms` makes machine code of it. The function knows no robot: what
+swims, and which number of it stands behind which variable, are the two arrays of `laticauda.cosim.native.tables`.
 
 A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
 """
@@ -11,16 +11,10 @@ A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
 # pyright: reportCallIssue=false
 
 import functools
-import hashlib
 import math
-import platform
-import sys
-from pathlib import Path
 from typing import Any
 
-import llvmlite
 import llvmlite.binding as llvm
-import numba
 from numba import cfunc, njit, types
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic
@@ -31,16 +25,13 @@ from laticauda.compiling import PROCESSOR, Target, compiling_for
 from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
-from laticauda.compiling.templates import sources_digest
-from laticauda.errors import BadArgument
-from laticauda.files import write
 from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.formulas import Formula
 from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
 
 NAME = "laticauda_move"
-"""What the function is called in the object file."""
+"""What the function is called."""
 
 # Where things stand in the array of whole numbers: the chain's shape, variables, and where other arrays begin in it.
 N_BODIES, TAIL_LINK, HAS_EXTRAS, IS_IMPLICIT, N_ROWS = range(5)
@@ -54,7 +45,6 @@ NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
-_ANY = "x86-64"  # what every processor of that family can
 _OWN: Any = {**INLINED, "_nrt": False}
 # What is left to the C library.
 _ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
@@ -62,8 +52,8 @@ _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt
 _OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
-def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> bytes:
-    """The object file with the function `NAME`, from the disk if it was made before.
+def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> bytes:
+    """LLVM's module with the function `NAME`, for any processor; compiling it takes seconds, and nothing keeps it.
 
     Args:
         law: Loads on one element.
@@ -71,41 +61,8 @@ def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) 
         flow: The kinds of parts of the water's flow.
 
     Raises:
-        ValueError: If this machine's processor is of another family, or the law needs more than numbers.
+        ValueError: If the law needs more than numbers.
     """
-    if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
-        here = f"{sys.platform} on {platform.machine()}"
-        raise BadArgument("fmu", f"must be made on Linux on an x86-64 processor, for which it will be, got {here}")
-    kept = kept_at(law, joints, flow)
-    try:
-        return kept.read_bytes()
-    except OSError:
-        pass
-    code = _compiled(law, joints, flow)
-    try:  # another process may do the same at this moment
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        write(kept, code)
-    except OSError:  # pragma: no cover - nowhere to keep it
-        pass
-    return code
-
-
-def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> Path:
-    """Where an object file is kept: beside what Numba keeps, under a name that says what it was made from.
-
-    Args:
-        law: Loads on one element.
-        joints: How its joints follow their references.
-        flow: The kinds of parts of the water's flow.
-    """
-    run = specialize(1, law, joints, flow).run  # not compiled by that; its module's name tells sources and laws
-    digest = hashlib.sha256(sources_digest(__name__).encode())
-    digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
-    digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
-    return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"
-
-
-def _compiled(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...]) -> bytes:
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
         with compiling_for(_target()):  # the law alone first, which takes no time
@@ -118,15 +75,12 @@ def _compiled(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...]) -> byte
     foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _OF_C
     if foreign:
         raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
-    for function in module.functions:
-        if not function.is_declaration:
-            function.linkage = "external" if function.name == move.native_name else "internal"
+    for one in (*module.functions, *module.global_variables):
+        if not one.is_declaration:
+            one.linkage = "external" if one.name == move.native_name else "internal"
     entry = module.get_function(move.native_name)
     entry.name, entry.visibility = NAME, "hidden"
-    machine = llvm.Target.from_triple(module.triple).create_target_machine(
-        cpu=_ANY, features="", opt=3, reloc="pic", codemodel="default"
-    )
-    return machine.emit_object(module)
+    return module.as_bitcode()
 
 
 # ---- what the kernels are compiled for -------------------------------------------------------------------------------

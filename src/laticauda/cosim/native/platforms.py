@@ -1,0 +1,232 @@
+"""The platforms that the kernels are made for: machine code for each, and libraries of it.
+
+LLVM writes the machine code for any of them on any machine. A C compiler links it: for this machine the system's own,
+for others that of the package `ziglang` (the extra `export`), which brings their C libraries along.
+"""
+
+# pyright: basic
+
+import functools
+import hashlib
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from platform import machine
+from typing import NamedTuple
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+
+from laticauda.actuation.laws import JointLaw
+from laticauda.compiling.templates import sources_digest
+from laticauda.cosim.native.entry import NAME, bitcode
+from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingProgram, one_of
+from laticauda.files import write
+from laticauda.fluid.laws import DragLaw
+from laticauda.formulas import Formula
+from laticauda.planar.model import specialize
+
+FOLDER = Path(__file__).parent / "c"
+COMPILERS = ("cc", "gcc", "clang")
+FLAGS = "-std=c11 -O2 -fPIC -fvisibility=hidden -Wall -Wextra -Werror=implicit-function-declaration"
+
+
+class System(NamedTuple):
+    """An operating system, or what stands for one."""
+
+    name: str
+    """As FMI 3 has it [-]."""
+    llvm: str
+    """As LLVM has it, behind the processor [-]."""
+    zig: str
+    """As Zig's C compiler has it [-]."""
+    ending: str
+    """Of the name of a library [-]."""
+    linking: str
+    """Flags of the compiler that links [-]."""
+
+
+class Platform(NamedTuple):
+    """An operating system on a family of processors, of which the least one is meant."""
+
+    name: str
+    """As users choose it [-]."""
+    processor: str
+    """As LLVM, Zig and FMI 3 have it [-]."""
+    system: System
+    """That runs there [-]."""
+    folder: str
+    """Of a library in an FMU, FMI 2; empty: there are no FMUs for it [-]."""
+    features: str = ""
+    """Of processors, that are asked for [-]."""
+
+    @property
+    def pair(self) -> str:
+        """Processor and system, which is the folder of a library in an FMU, FMI 3 [-]."""
+        return f"{self.processor}-{self.system.name}"
+
+
+_ELF = "-shared -s -Wl,-Bsymbolic -Wl,-z,noexecstack -Wl,-z,defs"
+_WASM = f"-mexec-model=reactor -s -Wl,--export={NAME} -Wl,--export=laticauda_reserve {shlex.quote(f'{FOLDER}/wasm.c')}"
+LINUX = System("linux", "unknown-linux-gnu", "linux-gnu.2.17", ".so", _ELF)
+WINDOWS = System("windows", "pc-windows-gnu", "windows-gnu", ".dll", "-shared -s")
+DARWIN = System("darwin", "apple-macosx11.0.0", "macos", ".dylib", "-shared")
+BROWSER = System("unknown", "unknown-unknown", "wasi", ".wasm", _WASM)
+PLATFORMS = {
+    one.name: one
+    for one in (
+        Platform("linux64", "x86_64", LINUX, "linux64"),
+        Platform("aarch64", "aarch64", LINUX, "aarch64-linux"),
+        Platform("win64", "x86_64", WINDOWS, "win64"),
+        Platform("darwin-arm64", "aarch64", DARWIN, "darwin64"),
+        Platform("darwin-x86-64", "x86_64", DARWIN, "darwin64"),
+        Platform("wasm32", "wasm32", BROWSER, "", "+simd128,+bulk-memory"),  # what browsers have
+    )
+}
+"""By name."""
+
+
+class LinkingFailed(LaticaudaError, RuntimeError):
+    """The C compiler is there, and does not do its work: it says which, and what it said."""
+
+
+def here() -> Platform | None:
+    """The platform of this machine; None if it is none of ours."""
+    system = {"win32": "windows"}.get(sys.platform, sys.platform)
+    family = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine().lower(), machine().lower())
+    return next((one for one in PLATFORMS.values() if one.pair == f"{family}-{system}"), None)
+
+
+def platform_of(name: str = "") -> Platform:
+    """A platform by its name; that of this machine if left out.
+
+    Args:
+        name: One of `PLATFORMS`.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    if name:
+        return PLATFORMS[one_of("platform", name, [*PLATFORMS])]
+    if (own := here()) is None:
+        raise BadArgument("platform", f"must be chosen on {sys.platform} on {machine()}, which is none of them")
+    return own
+
+
+def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platform: Platform) -> bytes:
+    """The object file with the function `laticauda_move` for a platform, from the disk if it was made before.
+
+    Args:
+        law: Loads on one element.
+        joints: How its joints follow their references.
+        flow: The kinds of parts of the water's flow (`PlanarPlant.flow.kinds`); empty: it moves as one, if at all.
+        platform: Where it will run.
+
+    Raises:
+        ValueError: If the law needs more than numbers.
+    """
+    whole = functools.partial(_kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow))
+    return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: _emitted(whole(), platform))
+
+
+def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], ending: str) -> Path:
+    """Where a file is kept: beside what Numba keeps, under a name that says what it was made from.
+
+    Args:
+        law: Loads on one element.
+        joints: How its joints follow their references.
+        flow: The kinds of parts of the water's flow.
+        ending: Of its name, from its platform on.
+    """
+    run = specialize(1, law, joints, flow).run  # not compiled by that; its module's name tells sources and laws
+    digest = hashlib.sha256(sources_digest(__name__).encode())
+    digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
+    digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
+    return Path(run.stats.cache_path) / f"native-{digest.hexdigest()[:24]}-{ending}"
+
+
+def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError:
+        made = make()
+    try:  # another process may do the same at this moment
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write(file, made)
+    except OSError:  # pragma: no cover - nowhere to keep it
+        pass
+    return made
+
+
+def _emitted(code: bytes, platform: Platform) -> bytes:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    module = llvm.parse_bitcode(code)
+    triple = f"{platform.processor}-{platform.system.llvm}"
+    chosen = llvm.Target.from_triple(triple).create_target_machine(
+        features=platform.features, opt=3, reloc="pic", codemodel="default"
+    )
+    module.triple, module.data_layout = triple, str(chosen.target_data)
+    return chosen.emit_object(module)
+
+
+def compiler(platform: Platform) -> list[str]:
+    """The command of a C compiler: for this machine that of the variable CC or the system's, else that of ziglang.
+
+    Args:
+        platform: Where what it makes will run.
+
+    Raises:
+        MissingProgram, MissingExtra: If there is none.
+    """
+    wanted = shlex.split(os.environ.get("CC", "")) if platform == here() else []
+    if platform == here():
+        for command in [wanted] if wanted else [[name] for name in COMPILERS]:
+            if shutil.which(command[0]) is not None:
+                return command
+    if not wanted and importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", f"{platform.processor}-{platform.system.zig}"]
+    if platform != here():
+        raise MissingExtra(f"A library for {platform.pair}", "ziglang", "export")
+    thing = f"the C compiler `{wanted[0]}` (the environment says CC={' '.join(wanted)})" if wanted else "a C compiler"
+    raise MissingProgram("A library of machine code", thing, "gcc libc6-dev")
+
+
+def linked(
+    code: bytes, platform: Platform, sources: Sequence[Path] = (), headers: Mapping[str, str] | None = None
+) -> bytes:
+    """A shared library; for a browser, a module of WebAssembly.
+
+    The module needs no imports. It offers `memory`, `_initialize()`, to be called first, `laticauda_reserve(bytes)`,
+    which returns an address in the memory that nobody else has (and may replace its buffer), and `laticauda_move`.
+
+    Args:
+        code: The object file of `object_code`, for the same platform.
+        platform: Where it will run.
+        sources: Files in C that belong to it.
+        headers: Name and text of headers that they include.
+
+    Raises:
+        MissingProgram, MissingExtra: If there is no C compiler for it.
+        LinkingFailed: If it fails.
+    """
+    chosen = compiler(platform)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for header, text in (headers or {}).items():
+            (folder / header).write_text(text, encoding="utf-8")
+        (folder / "kernels.o").write_bytes(code)
+        command = [*chosen, *shlex.split(f"{FLAGS} {platform.system.linking}"), f"-I{folder}", *map(str, sources)]
+        command += [str(folder / "kernels.o"), "-lm", "-o", str(folder / "library")]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            said = "\n".join((done.stderr or done.stdout).splitlines()[:8])
+            raise LinkingFailed(f"`{' '.join(chosen)}` cannot link a library for {platform.pair}. It says:\n{said}")
+        return (folder / "library").read_bytes()
