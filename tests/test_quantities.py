@@ -16,8 +16,19 @@ from hypothesis import strategies as st
 import laticauda
 from laticauda.errors import MissingExtra, label
 from laticauda.lab.settings import LabSettings, NodeSettings
-from laticauda.quantities import LARGEST, LIMITS, Quantity, hints_of, option, quantities_of, quantity, texts_of, value
-from laticauda.robot import Actuator, CaudalFin, Section, Water
+from laticauda.quantities import (
+    LARGEST,
+    LIMITS,
+    Quantity,
+    hints_of,
+    option,
+    quantities_of,
+    quantity,
+    texts_of,
+    told,
+    value,
+)
+from laticauda.robot import Actuator, CaudalFin, Section, Water, load_water
 
 
 @value
@@ -229,6 +240,26 @@ def test_declarations_can_be_read():
     assert "name" not in quantities_of(Leg)
     assert texts_of(Leg)["name"] == "What it is called"
     assert hints_of(Leg)["load"] == float | None
+
+
+def test_a_value_tells_what_it_holds_in_units_and_degrees_and_leaves_out_what_says_nothing():
+    @value
+    class Foot:
+        """A foot."""
+
+        size: tuple[float, ...] = quantity("m", "Along both axes", default=())
+        angle: float = quantity("rad", "To the leg", default=0.0)
+        rate: float = quantity("rad/s", "Of that", default=math.inf)
+        is_bare: bool = option("Whether it has no shoe", default=False)
+        side: str = option("Which", default="left")
+        hinge: Hinge | None = option("In it", default=None)
+
+    assert told(Foot()) == {"side": "left"}
+    foot = Foot(size=(0.3, 0.0), angle=math.radians(30), rate=math.radians(5), is_bare=True, hinge=Hinge())
+    words = {"size": "(0.3, 0) m", "angle": "30 deg", "rate": "5 deg/s", "is_bare": "yes", "side": "left"}
+    assert told(foot) == words | {"hinge": "(stiffness 1 N m/rad)"}
+    assert told(foot, "size", "hinge") == {name: one for name, one in words.items() if name != "size"}
+    assert told(load_water("paper-vortex"))["drag"] == "quadratic only"
 
 
 def test_help_lists_every_field_with_its_unit_range_and_default():

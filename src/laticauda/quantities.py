@@ -260,6 +260,36 @@ def hints_of(kind: type) -> Mapping[str, Any]:
     return types.MappingProxyType({field.name: hints[field.name] for field in dataclasses.fields(kind)})
 
 
+def told(thing: object, *left_out: str) -> dict[str, str]:
+    """What a value holds, in words by field; what is None, empty or 0 says nothing, and is left out.
+
+    Numbers have their units, angles are in degrees; what the value holds says its own `words`, or is told in brackets.
+
+    Args:
+        thing: A value.
+        left_out: Fields that are told otherwise.
+    """
+    held = {name: getattr(thing, name) for name in texts_of(type(thing)) if name not in left_out}
+    words = {name: _in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()}
+    return {name: one for name, one in words.items() if one}
+
+
+def _in_words(given: Any, declared: Quantity | None) -> str:
+    if hasattr(given, "words"):
+        return given.words
+    if dataclasses.is_dataclass(given):
+        return f"({', '.join(f'{name} {one}' for name, one in told(given).items())})"
+    if declared is None:
+        return given if isinstance(given, str) else "yes" if given is True else ""
+    numbers = cast("tuple[Any, ...]", given if isinstance(given, tuple) else (given,))
+    if not any(numbers) or not all(isinstance(one, int | float) and math.isfinite(one) for one in numbers):
+        return ""
+    in_degrees = declared.unit in DEGREES
+    listed = ", ".join(f"{math.degrees(one) if in_degrees else one:g}" for one in numbers)
+    unit = (declared.in_degrees if in_degrees else declared).unit
+    return f"{f'({listed})' if len(numbers) > 1 else listed} {unit}".rstrip()
+
+
 @functools.cache
 def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
     """By field: within what a float is fine as it is, and what else is asked."""

@@ -57,7 +57,7 @@ def test_a_second_wave_can_be_asked_for(run):
     assert found["gait_parameters"]["pitch"]["frequency"] == found["gait_parameters"]["frequency"]
     assert found["measured"] is None  # the tank's robot had none
     text = " ".join(run("swim --model spatial --robot mamba-modules --pitch-amplitude-deg 20 --duration 2").out.split())
-    assert "pitch wave: amplitude 20 deg, 0 deg ahead" in text
+    assert "pitch (amplitude 20 deg, frequency 130 deg/s" in text
 
 
 def test_the_planar_model_refuses_a_second_wave(run):
@@ -86,7 +86,7 @@ def test_a_driven_fin_has_a_wave_of_its_own(run, tmp_path):
     wanted = {"amplitude": 20.0, "frequency": 100.0, "phase": 30.0, "offset": 5.0}
     assert {name: pytest.approx(np.rad2deg(wave[name])) for name in wanted} == wanted
     text = " ".join(run(f"swim --robot {tmp_path / 'driven.toml'} {own} --duration 2").out.split())
-    assert "fin: amplitude 20 deg, frequency 100 deg/s, 30 deg ahead, offset 5 deg" in text
+    assert "fin (amplitude 20 deg, frequency 100 deg/s, phase 30 deg, offset 5 deg" in text
     refused = run("swim --robot mamba-fin --fin-amplitude-deg 20")
     assert refused.status == 2
     assert "must be None unless the fin is driven (`caudal_fin.joint`)" in refused.err

@@ -92,7 +92,7 @@ def test_a_run_of_another_length_than_the_measured_says_so(run):
         ("--gait custom --envelope 1 1 1 1 1 1 1 0.5", "paper-lateral (the paper's for lateral undulation, in want of"),
         ("--water paper-vortex", "paper-vortex (as asked for)"),
         ("--normal-drag 2", "paper-lateral with normal_drag 2 (the paper's for lateral undulation)"),
-        ("--ground viscous", "viscous (as asked for): viscous friction, tangential 0.5 N s/m, normal 3 N s/m"),
+        ("--ground viscous", "viscous (as asked for): friction viscous, tangential 0.5 N s/m per link, normal"),
     ],
 )
 def test_the_table_says_which_coefficients_and_where_from(run, options, said):

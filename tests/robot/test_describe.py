@@ -24,12 +24,12 @@ def test_the_main_facts_are_plain_data():
 @pytest.mark.parametrize(
     ("name", "fact"),
     [
-        ("mamba", "length                1.62 m"),
+        ("mamba", "length          1.62 m"),
         ("mamba", "all yaw"),
         ("mamba-modules", "yaw and pitch in turn, yaw at the tail"),
         ("mamba-modules", "modules 0-18"),
-        ("mamba-fin", "opening of 0.12 m"),
-        ("mamba-thruster", "5 N at 0 deg, mounted at (-0.09, 0) m"),
+        ("mamba-fin", "opening_length 0.12 m"),
+        ("mamba-thruster", "thruster on link 0  x -0.09 m, thrust 5 N"),
     ],
 )
 def test_a_preset_is_described(name, fact):
@@ -49,9 +49,9 @@ def test_what_differs_from_the_plain_robot_is_told():
     for fact in (
         "modules 0-1",
         "modules 2 ",
-        "center of mass at 0.01 m, moment of inertia 0.1 kg m^2, normal_drag 2",
-        "skin 1 N m/rad and 2 N m s/rad",
-        "pectoral fin on link 2",
+        "normal_drag 2, center 0.01 m, inertia 0.1 kg m^2",
+        "limit 90 deg, stiffness 1 N m/rad, damping 2 N m s/rad",
+        "pectoral fin on link 2  area 0.01 m^2, lift_slope 3 1/rad, stall_angle 22.9183 deg",
         "drag 0.5 kg/m",
     ):
         assert fact in text

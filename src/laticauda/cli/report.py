@@ -10,14 +10,13 @@ import numpy as np
 
 from laticauda import gaits, scenarios
 from laticauda.cli.tables import aligned, number, percent, read_in
-from laticauda.quantities import quantities_of
-from laticauda.robot import SEEN, TEXTBOOK, Ground, Robot, Water
+from laticauda.quantities import told
+from laticauda.robot import SEEN, TEXTBOOK, Ground, Robot, coefficients, in_a_line
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
 # Said once at the top, or by `mean_power`.
 LEFT_OUT = ("duration",)
-ALWAYS = ("tangential_friction", "normal_drag", "added_mass", "added_inertia")
 
 
 def facts_of(trial: Trial) -> dict[str, Any]:
@@ -170,56 +169,16 @@ def _gait(gait: gaits.Gait | None) -> str:
     if (seen := gait.recorded) is not None:
         parts.append(f"recorded motion: {len(seen.angle)} joints, {seen.time[0]:g} to {seen.time[-1]:.4g} s")
     if seen is None or gait.amplitude or gait.offset:
-        parts.append(f"{gait.kind.replace('_', '-')}: {_listed(gait, 'amplitude', 'frequency', 'phase_shift')}")
-    if isinstance(gait.envelope, gaits.Custom):
-        parts.append(f"envelope {' '.join(f'{g:g}' for g in gait.envelope.values)}")
-    if gait.pitch is not None:
-        parts.append(f"pitch wave: {_listed(gait.pitch, 'amplitude')}")
-    if gait.fin is not None:
-        parts.append(f"fin: {_listed(gait.fin, 'amplitude', 'frequency')}")
-    return ", ".join(parts)
-
-
-def _listed(wave: gaits.Gait | gaits.Wave, *names: str) -> str:
-    """Numbers of a wave, in degrees."""
-    parts = [f"{name.replace('_', ' ')} {math.degrees(getattr(wave, name)):.4g} deg" for name in names]
-    parts = [f"{part}/s" if part.startswith("frequency") else part for part in parts]
-    if isinstance(wave, gaits.Wave):
-        parts.append(f"{math.degrees(wave.phase):.4g} deg ahead")
-    if wave.offset:
-        parts.append(f"offset {math.degrees(wave.offset):.4g} deg")
+        envelope = in_a_line(told(gait.envelope))
+        wave = in_a_line(told(gait, "envelope", "recorded"))
+        parts.append(f"{gait.kind.replace('_', '-')}: {', '.join(filter(None, (envelope, wave)))}")
     return ", ".join(parts)
 
 
 def _environment(trial: Trial, origin: str) -> str:
     environment = trial.environment
     source = f" ({origin})" if origin else ""
-    text = _water(environment) if isinstance(environment, Water) else _ground(environment)
-    return f"{environment.name}{source}: {text}"
-
-
-def _water(water: Water) -> str:
-    """The coefficients that every water has, and what of the rest is not as usual."""
-    parts = [
-        f"tangential_friction {water.tangential_friction:g}",
-        f"normal_drag {water.normal_drag:g}",
-        f"added_mass {water.added_mass:g} ({water.added_mass_form})",
-        f"added_inertia {water.added_inertia:g} (rotation: {water.rotational})",
-        f"drag {water.drag.words}",
-    ]
-    if water.trailing_edge != "none":
-        parts.append(f"trailing edge {water.trailing_edge}")
-    for field in dataclasses.fields(water):
-        given, declared = getattr(water, field.name), quantities_of(Water).get(field.name)
-        if declared is not None and field.name not in ALWAYS and given != field.default:
-            words = water.current_words if field.name == "current" else f"{given:g} {declared.unit}".rstrip()
-            parts.append(f"{field.name} {words}")
-    return ", ".join(parts)
-
-
-def _ground(ground: Ground) -> str:
-    unit = "" if ground.friction.of_weight else " N s/m"
-    return f"{ground.friction.words} friction, tangential {ground.tangential:g}{unit}, normal {ground.normal:g}{unit}"
+    return f"{environment.name}{source}: {in_a_line(coefficients(environment))}"
 
 
 def _run(trial: Trial) -> str:

@@ -20,7 +20,7 @@ KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
     "parameters": (robot.parameter_names, robot.load_parameters),
 }
 """What there are presets of: their names, and what a name stands for."""
-WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
+WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "added_mass_form", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
 
 
@@ -93,9 +93,6 @@ def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
     """A row per water or ground, with what its description says about these facts."""
-    rows: list[dict[str, str]] = []
     names, load = KINDS[f"{kind}s"]
-    for name in names():
-        found = dict(line.split(maxsplit=1) for line in robot.describe(load(name)).splitlines())
-        rows.append({kind: name, **{fact: found[fact] for fact in facts}})
-    return rows
+    found = {name: robot.coefficients(load(name)) for name in names()}
+    return [{kind: name, **{fact: one[fact] for fact in facts}} for name, one in found.items()]

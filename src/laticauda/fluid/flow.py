@@ -14,17 +14,16 @@ Axes are the world's: z is up, and 0 the mean surface. Formulas hold for floats,
 those of drag laws do (`laticauda.fluid.laws`).
 """
 
-import math
 from collections.abc import Callable
 from itertools import chain
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law
-from laticauda.quantities import DEGREES, option, quantities_of, value
+from laticauda.quantities import option, told, value
 
 FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
     **dict.fromkeys(("uniform", "linear-shear", "power-law-shear"), "laticauda.fluid.uniform"),
@@ -204,14 +203,8 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
     @property
     def words(self) -> str:
         """What it is, for people: its name and its numbers that are not 0, with their units, angles in degrees."""
-        kind, told = cast("type[Any]", type(self)), list[str]()
-        for name, one in quantities_of(kind).items():
-            numbers, in_degrees = np.atleast_1d(getattr(self, name)), one.unit in DEGREES
-            if numbers.dtype != object and numbers.any() and np.isfinite(numbers).all():  # neither None nor 0 nor far
-                listed = ", ".join(f"{math.degrees(x) if in_degrees else x:g}" for x in numbers.tolist())
-                unit = (one.in_degrees if in_degrees else one).unit
-                told.append(f"{name.replace('_', ' ')} {f'({listed})' if numbers.size > 1 else listed} {unit}".rstrip())
-        return ", ".join([name_of(kind).replace("-", " "), *told])
+        parts = [f"{name.replace('_', ' ')} {one}" for name, one in told(self).items()]
+        return ", ".join([name_of(type(self)).replace("-", " "), *parts])
 
 
 @value

@@ -2,7 +2,8 @@
 
 from laticauda.packaging import lazy_exports
 from laticauda.robot.body import Actuator as Actuator, Joint as Joint, Module as Module, Section as Section
-from laticauda.robot.describe import describe as describe, summary as summary
+from laticauda.robot.describe import coefficients as coefficients, describe as describe, in_a_line as in_a_line
+from laticauda.robot.describe import summary as summary
 from laticauda.robot.effectors import CaudalFin as CaudalFin, Hinge as Hinge, PectoralFin as PectoralFin, Piece as Piece
 from laticauda.robot.effectors import Tether as Tether, Thruster as Thruster
 from laticauda.robot.environment import Current as Current, Environment as Environment, Ground as Ground, Water as Water
