@@ -6,13 +6,13 @@ Only classes that come with the package, or that this process knows, are ever bu
 import json
 from collections.abc import Mapping
 from dataclasses import is_dataclass, replace
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias, get_args
 
 from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 HEADER = "operation"
@@ -44,20 +44,9 @@ class Header:
             object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
 
     def texts(self) -> dict[str, str]:
-        """The header as texts by name."""
-        estimator = codec.encode(self.estimator, Estimators)
-        if estimator is not None:
-            del estimator["robot"]  # it is the run's
-        return {
-            "format": FORMAT,
-            "version": packaging.__version__,
-            "run": run_to_toml(self.run),
-            "controller": json.dumps(codec.encode(self.controller, interfaces.Controller)),
-            "estimator": json.dumps(estimator),
-            "twin": "" if self.twin is None else run_to_toml(self.twin),
-            "supply_voltage": "" if self.supply_voltage is None else repr(self.supply_voltage),
-            "operation": self.operation,
-        }
+        """The header as texts by name: runs as TOML, all else but texts as JSON."""
+        own = {name: _text(getattr(self, name), hint) for name, hint in hints_of(Header).items()}
+        return {"format": FORMAT, "version": packaging.__version__, **own}
 
 
 def header_from_texts(texts: Mapping[str, str]) -> Header:
@@ -71,17 +60,20 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
         BadKey: If one is not as it may be.
         ValueError: Likewise.
     """
-    run, estimator = cast(Any, run_from_toml(texts["run"])), json.loads(texts["estimator"])
-    if estimator is not None:
-        estimator = {**estimator, "robot": run.robot}
-    return Header(
-        run=run,
-        controller=codec.decode(cast(Any, interfaces.Controller), json.loads(texts["controller"]), "controller"),
-        estimator=codec.decode(Estimators, estimator, "estimator"),
-        twin=cast(Any, run_from_toml(texts["twin"])) if texts["twin"] else None,
-        supply_voltage=float(texts["supply_voltage"]) if texts["supply_voltage"] else None,
-        operation=texts["operation"],
-    )
+    return Header(**{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()})
+
+
+def _text(value: Any, hint: Any) -> str:
+    if isinstance(value, Experiment):
+        return run_to_toml(value)
+    return value if isinstance(value, str) else json.dumps(codec.encode(value, hint))
+
+
+def _value(name: str, text: str, hint: Any) -> Any:
+    if hint is str:
+        return text
+    is_run = Experiment in (hint, *get_args(hint)) and text != "null"
+    return run_from_toml(text) if is_run else codec.decode(hint, json.loads(text), name)
 
 
 def _record_of(plant: Plant[Any]) -> Experiment:
