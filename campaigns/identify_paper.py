@@ -31,7 +31,7 @@ from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.paper.path_following import figures_of
 from laticauda.paper.settings import path_following_settings
 from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
-from laticauda.robot.adjustments import adjusted
+from laticauda.robot.parameters import adjusted
 from laticauda.simulate import intervals_of, plant, run, spread
 from laticauda.trial import Trial
 from laticauda.trial.null_models import group_name, mape

@@ -6,7 +6,7 @@ python tests/mamba_dbc.py
 from pathlib import Path
 
 from laticauda import protocol
-from laticauda.protocol.dbc import LAYOUTS, NUMBERS
+from laticauda.protocol.can import LAYOUTS, NUMBERS
 
 FILE = Path(protocol.__file__).with_name("mamba.dbc")
 OPERATOR = "Operator"

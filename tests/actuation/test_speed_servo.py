@@ -14,7 +14,7 @@ from laticauda.actuation import Drive, JointLaw, Servo, SpeedServo, motor_power,
 from laticauda.codec import decode, encode
 from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia
 from laticauda.robot import Actuator, Joint, load_robot
-from laticauda.robot.adjustments import adjusted
+from laticauda.robot.parameters import adjusted
 from laticauda.simulate import parameters, sensitivities
 from laticauda.simulate.numbers import changed
 

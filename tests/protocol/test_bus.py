@@ -13,7 +13,7 @@ from laticauda.protocol import (
     open_bus,
     to_frame,
 )
-from laticauda.protocol.dbc import LAYOUTS
+from laticauda.protocol.can import LAYOUTS
 from laticauda.protocol.messages import PER_FRAME
 
 

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 import laticauda as lc
 from laticauda.gaits import Wave
 from laticauda.robot import Robot
-from laticauda.robot.adjustments import adjusted
+from laticauda.robot.parameters import adjusted
 from laticauda.studies.trials import swim_points
 from laticauda.trial import feasibility
 

@@ -8,9 +8,9 @@ from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged
 from laticauda.control.current import CurrentEstimate as CurrentEstimate, CurrentObserver as CurrentObserver
 from laticauda.control.following import Following as Following
 from laticauda.control.frames import Path as Path, PathFrame as PathFrame
-from laticauda.control.guidance import Guidance as Guidance, IntegralLineOfSight as IntegralLineOfSight
-from laticauda.control.guidance import LineOfSight as LineOfSight
-from laticauda.control.heading import HeadingController as HeadingController, HeadingEstimate as HeadingEstimate
+from laticauda.control.guidance import Guidance as Guidance, HeadingController as HeadingController
+from laticauda.control.guidance import HeadingEstimate as HeadingEstimate, LineOfSight as LineOfSight
+from laticauda.control.guidance import IntegralLineOfSight as IntegralLineOfSight
 from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
 from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
 from laticauda.control.paths import StraightLine as StraightLine

@@ -5,8 +5,7 @@ from typing import Any, Literal
 
 from laticauda.control.current import CurrentObserver
 from laticauda.control.frames import Path
-from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
-from laticauda.control.heading import HeadingController
+from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
 from laticauda.control.path_following import PathFollowing
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.control.spatial_following import SpatialPathFollowing

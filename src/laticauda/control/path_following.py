@@ -8,8 +8,7 @@ from typing import Any, Literal
 from laticauda.angles import wrap_to_pi
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
-from laticauda.control.guidance import Guidance
-from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
+from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation

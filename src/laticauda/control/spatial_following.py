@@ -12,8 +12,7 @@ from typing import Any, cast
 import numpy as np
 
 from laticauda.control.frames import Path
-from laticauda.control.guidance import Guidance
-from laticauda.control.heading import HeadingController
+from laticauda.control.guidance import Guidance, HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Command, Observation

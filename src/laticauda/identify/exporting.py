@@ -12,8 +12,7 @@ from laticauda.extensions import name_of
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolution import with_tied
 from laticauda.quantities import quantities_of
-from laticauda.robot.adjustments import OF_ROBOT
-from laticauda.robot.parameters import GAITS
+from laticauda.robot.parameters import GAITS, OF_ROBOT
 from laticauda.simulate.numbers import changed, parameters
 
 Changes = dict[str, dict[str, Any]]

@@ -19,7 +19,7 @@ from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import derivatives, many, threads
+from laticauda.simulate import derivatives, many, several
 from laticauda.simulate.numbers import UNITS, changed
 from laticauda.trial import Trial
 
@@ -215,7 +215,7 @@ def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Cal
 def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
     """The same by the 3D twin, run by run on threads."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
-    trials = threads.swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
+    trials = several.swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
     for i, trial in zip(swum, trials, strict=True):
         measurement = problem.measurements[i]
         if trial.succeeded:

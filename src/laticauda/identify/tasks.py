@@ -50,8 +50,8 @@ from laticauda.identify.result import Fit
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
 from laticauda.quantities import one_among, option, quantity, value
-from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
+from laticauda.robot.parameters import NAMES, adjusted, read_adjustments
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.runner import Progress
 

@@ -23,18 +23,91 @@ range is refused with its key.
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from laticauda import codec, files
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
 from laticauda.fluid.laws import DragLaw
 from laticauda.gaits.envelopes import kinds
-from laticauda.quantities import hints_of, option, value
-from laticauda.robot.adjustments import NAMES, Adjustments, adjusted, read_adjustments, write_adjustments
+from laticauda.quantities import hints_of, option, quantities_of, value
+from laticauda.robot.body import Actuator, Joint
+from laticauda.robot.effectors import CaudalFin, Tether
 from laticauda.robot.environment import Water
 from laticauda.robot.files import find, preset_names, read_table
 from laticauda.robot.robot import Robot
+
+Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
+"""By table, by field: the value that the robot has instead of its own."""
+
+SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
+OF_ROBOT = ("active_power", "electronics_power")
+REFUSED = {
+    "axis": "a parameter file does not turn joints",
+    "actuator": "the table `actuator` beside it is for that",
+}
+NAMES = (*SECTIONS, "robot")
+
+
+def read_adjustments(tables: Mapping[str, object], path: str = "") -> dict[str, dict[str, Any]]:
+    """Check tables as a file has them.
+
+    Args:
+        tables: By name, one of `NAMES`.
+        path: Where they stand in the file, "" for the top.
+
+    Returns:
+        The same with every value as its class keeps it, angles in radians.
+
+    Raises:
+        BadKey: If a key is unknown, or its value of the wrong type or out of range.
+    """
+    return {name: _read(name, table, f"{path}.{name}" if path else name) for name, table in tables.items()}
+
+
+def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
+    """A robot with other numbers; what it has no part for is left out.
+
+    Args:
+        robot: The robot; without a caudal fin, the numbers of one are not used.
+        adjustments: From `read_adjustments`.
+
+    Raises:
+        ValueError: If a number does not go with what the robot has.
+    """
+    changes: dict[str, Any] = dict(adjustments.get("robot", {}))
+    of_joint, of_actuator = adjustments.get("joint", {}), dict(adjustments.get("actuator", {}))
+    if of_joint or of_actuator:
+        of_actuator |= {"stated": True} if of_actuator else {}
+        new = {
+            joint: replace(joint, actuator=replace(joint.actuator, **of_actuator), **of_joint)
+            for joint in set(robot.joints)
+        }
+        changes["joints"] = tuple(new[joint] for joint in robot.joints)
+    if adjustments.get("caudal_fin") and robot.caudal_fin is not None:
+        changes["caudal_fin"] = replace(robot.caudal_fin, **adjustments["caudal_fin"])
+    if adjustments.get("tether"):
+        changes["tether"] = replace(robot.tether, **adjustments["tether"])
+    return replace(robot, **changes) if changes else robot
+
+
+def _read(name: str, table: object, path: str) -> dict[str, Any]:
+    values = codec.table_of(table, path)
+    for key, given in values.items():
+        if given is None:
+            raise codec.BadKey(f"{path}.{key}", "must be left out where the robot's own value is meant, got None")
+    if name == "robot":
+        codec.check_keys(values, OF_ROBOT, path)
+        with codec.arguments_of(path):
+            return {key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()}
+    for key in sorted(REFUSED.keys() & values if name == "joint" else ()):
+        raise codec.BadKey(f"{path}.{key}", f"must not be given: {REFUSED[key]}")
+    read = codec.decode(SECTIONS[name], values, path)
+    fields = (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
+    return {field: getattr(read, field) for field in fields}
+
+
+# ---- the value and its file ------------------------------------------------------------------------------------------
 
 KIND = "parameters"
 GAITS = kinds()
@@ -122,9 +195,9 @@ class Parameters:
         if self.joints is not None:
             table["joints"] = codec.encode(self.joints, JointLaw)
         water = {key: value for key, value in codec.encode(self.every_gait).items() if key != "name"}
-        table |= {"water": water, **write_adjustments(self.changes)}
+        table |= {"water": water, **codec.encode(self.changes)}
         for gait in GAITS:
-            entries: codec.Table = write_adjustments(self.own_changes.get(gait, {}))
+            entries: codec.Table = codec.encode(self.own_changes.get(gait, {}))
             if gait in self.own:
                 entries = {"water": _differences(self.own[gait], self.every_gait), **entries}
             if entries:

@@ -11,6 +11,6 @@ if TYPE_CHECKING:
     from laticauda.simulate.numbers import Parameter as Parameter, parameters as parameters
     from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant
     from laticauda.simulate.runner import resume as resume, run as run, swim as swim
-    from laticauda.simulate.together import swim_together as swim_together
+    from laticauda.simulate.several import swim_together as swim_together
 
 __getattr__, __dir__, __all__ = lazy_exports()

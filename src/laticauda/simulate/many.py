@@ -20,7 +20,7 @@ from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, check_size
-from laticauda.simulate.threads import swim_each
+from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, feasibility, metrics
 from laticauda.trial.cycles import hermite, steady_part
 

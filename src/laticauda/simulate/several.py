@@ -1,0 +1,120 @@
+"""Several trials at once, of models that take no lanes: side by side on threads, or all robots in one scene."""
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event, local
+from typing import Any, TypeVar, cast
+
+from laticauda.dynamics.school import usable_cores
+from laticauda.errors import BadArgument, instance
+from laticauda.scenarios import Scenario, Spatial
+from laticauda.simulate import plants, runner
+from laticauda.simulate.runner import Progress
+from laticauda.trial import Trial
+
+Result = TypeVar("Result")
+
+
+class _Given(Exception):
+    """Nobody waits for this trial any more."""
+
+
+def swim_each(
+    scenarios: Sequence[Scenario],
+    use: Callable[[Trial], Result],
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> list[Result]:
+    """Run every scenario, several at a time; the numbers are those of `swim`, however many threads there are.
+
+    Args:
+        scenarios: Of any model; those of one robot, environment and model should follow each other, for a thread keeps
+            the last plant that it made.
+        use: Called with every trial, in the thread that ran it; only what it returns is kept.
+        threads: How many; None takes all cores that this process may use.
+        progress: Called after every trial with the share that is finished, from 0 to 1.
+
+    Returns:
+        What `use` returned, in the order of the scenarios.
+
+    Raises:
+        BadArgument: If a scenario cannot be run; its place is in the argument's name, and the others are given up.
+    """
+    own, is_over, results = local(), Event(), list[Result]()
+
+    def watch(_: float) -> None:
+        if is_over.is_set():
+            raise _Given
+
+    def swum(i: int) -> Result:
+        one = scenarios[i]
+        try:
+            instance("", one, Scenario)
+            parts = one.robot, one.environment, one.model
+            if not all(part is kept for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)):
+                own.plant, own.parts = plants.plant(one), parts
+            begin, every = one.start, one.sample_interval
+            return use(
+                runner.run(own.plant, one.controller, one.duration, start=begin, sample_interval=every, progress=watch)
+            )
+        except BadArgument as bad:
+            raise BadArgument(f"scenarios[{i}].{bad.name}".rstrip("."), bad.rule) from bad
+        except Exception as error:
+            error.add_note(f"This happened in scenarios[{i}].")
+            raise
+
+    with ThreadPoolExecutor(threads or usable_cores()) as pool:
+        try:
+            for result in pool.map(swum, range(len(scenarios))):
+                results.append(result)
+                if progress is not None:
+                    progress(len(results) / len(scenarios))
+        finally:
+            is_over.set()
+    return results
+
+
+def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = None) -> list[Trial]:
+    """Run several robots in one scene.
+
+    They have one environment, one scene (`open` is one with nothing else in it), one duration and sample interval;
+    robots, gaits, controllers, joint laws and starts are their own. Bodies of the second robot have `robot_1_` before
+    their names, and so on, so that they may all be the same.
+
+    Args:
+        scenarios: One for each robot, of the spatial model.
+        progress: Called now and then with the time reached [s].
+
+    Returns:
+        A trial for each; contacts with other robots are among its contact forces. Rays see no other robots.
+
+    Raises:
+        ValueError: If they cannot be in one scene, or robots begin in one another.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        >>> def one(y):
+        ...     start = lc.Start(center_of_mass=(0.0, y))
+        ...     return lc.scenario("mamba", gait, 1.0, model="spatial", scene="open", start=start)
+        >>> [len(trial.time) for trial in lc.swim_together([one(0.0), one(0.5)])]
+        [21, 21]
+    """
+    from laticauda.spatial.school import Together
+
+    instance("scenarios", scenarios, Sequence)
+    for i, one in enumerate(scenarios):
+        instance(f"scenarios[{i}].model", one.model, Spatial)
+        if cast(Spatial, one.model).scene is None:
+            raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, as `open`")
+    bodies = [cast(Any, plants.plant(one)) for one in scenarios]
+    for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
+        of_all = zip(scenarios, bodies, strict=True)
+        if len({repr(getattr(one, name, getattr(body.settings, name, 0))) for one, body in of_all}) != 1:
+            raise BadArgument(name, "must be the same for all robots in one scene")
+    if len({one.controller.interval for one in scenarios} - {math.inf}) > 1:
+        raise BadArgument("interval", "must be the same for all controllers in one scene")
+    together = Together(bodies)
+    return runner.run_all(scenarios, bodies, together.march, check=together.check, progress=progress)
