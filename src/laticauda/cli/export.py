@@ -72,10 +72,11 @@ class Mjcf(Urdf):
 
 @value
 class Fmu(OfScenario):
-    """Write a robot in water to an FMU (co-simulation, Linux on x86-64) that runs without Python.
+    """Write a robot in water to an FMU (co-simulation) that runs without Python.
 
     Its inputs are the gait's numbers or the references of the joints, and the current; its outputs motion, torques and
-    power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write.
+    power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write,
+    and for other platforms than this one the package ziglang.
 
     For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
     """
@@ -83,6 +84,10 @@ class Fmu(OfScenario):
     output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
+    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=())
+    author: str | None = option("Who made the model, as the FMU says it", default=None)
+    model_version: str | None = option("Of the model; laticauda's if left out", default=None)
+    license: str = option("Of the model", default="MIT")
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "Fmu":
@@ -101,7 +106,8 @@ class Fmu(OfScenario):
         from laticauda.cosim.fmu import export_fmu
 
         warn_of_compiling(scenario.environment, scenario.model)
-        variables = export_fmu(self.output, scenario, inputs=self.inputs, fmi=self.fmi)
+        settings: Any = {name: getattr(self, name) for name in ("inputs", "fmi", "author", "model_version", "license")}
+        variables = export_fmu(self.output, scenario, platforms=self.platform, **settings)
         found = Counter(one.causality for one in variables)
         count = {f"{kind}s": found[kind] for kind in ("parameter", "input", "output")}
         words = ", ".join(f"{number} {kind}" for kind, number in count.items())

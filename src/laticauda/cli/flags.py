@@ -41,7 +41,7 @@ NOT_FLAGS = (
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
-    **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
+    **{"measurements": "files", "trials": "files", "platforms": "platform", "kind": "gait", "interface": "bus"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""
 SPELLED = {
@@ -128,6 +128,7 @@ Folder = Annotated[str, _texts(1, "DIR")]
 Place = Annotated[str | None, _texts(1, "DIR")]
 Words = Annotated[tuple[str, ...], _texts("*", "NAME=VALUES ...")]
 Files = Annotated[tuple[str, ...], _texts("*", "FILE ...")]
+Listed = Annotated[tuple[str, ...], _words("*", "NAME[,NAME...]", lambda words: tuple(",".join(words).split(",")))]
 Input = Annotated[str, tyro.conf.Positional, _texts(1, "FILE")]
 Output = Annotated[str, tyro.conf.Positional, _texts(1, "OUTPUT")]
 Preset = Annotated[str | None, tyro.conf.Positional, _texts(1, "NAME|PATH")]

@@ -1,10 +1,14 @@
 """FMUs as FMPy reads, validates and runs them, beside the same runs in Python."""
 
+import importlib.util
 import math
 import shutil
+import struct
 import subprocess
 import sys
+import zipfile
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -499,11 +503,48 @@ def test_the_library_asks_for_the_c_library_only_and_offers_fmi_only(make, kind)
     assert {name[:4] for letter, name in entries if letter == "T"} == {"fmi2"}
 
 
-def test_the_same_robot_makes_the_same_file(make, tmp_path):
-    first = make()
-    variables = export_fmu(tmp_path / "snake.fmu", lc.load_robot("mamba-fin"), GAIT)
-    assert variables == first.variables
-    assert (tmp_path / "snake.fmu").read_bytes() == first.file.read_bytes()
+def test_the_same_robot_makes_the_same_file_but_for_its_date(make, tmp_path, monkeypatch):
+    robot, guid = lc.load_robot("mamba-fin"), fmpy.read_model_description(make().folder).guid
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    (tmp_path / "one").mkdir()
+    variables = export_fmu(tmp_path / "one" / "snake.fmu", robot, GAIT)
+    assert variables == export_fmu(tmp_path / "snake.fmu", robot, GAIT) == make().variables
+    assert (tmp_path / "one" / "snake.fmu").read_bytes() == (tmp_path / "snake.fmu").read_bytes()
+    told = fmpy.read_model_description(str(tmp_path / "snake.fmu"))
+    assert (told.guid, told.generationDateAndTime) == (guid, "2001-09-09T01:46:40Z")
+
+
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
+@pytest.mark.parametrize(
+    ("fmi", "names", "folders"),
+    [
+        ("2.0", ("linux64", "darwin"), {"linux64": b"\x7fELF", "darwin64": b"\xca\xfe\xba\xbe\0\0\0\2"}),
+        ("3.0", ("darwin",), {"aarch64-darwin": b"\xcf\xfa\xed\xfe\x0c", "x86_64-darwin": b"\xcf\xfa\xed\xfe\x07"}),
+    ],
+)
+def test_an_fmu_holds_a_library_for_each_platform(tmp_path, fmi, names, folders):
+    from fmpy.validation import validate_fmu
+
+    file = tmp_path / "snake.fmu"
+    export_fmu(file, "mamba", GAIT, fmi=fmi, platforms=names, author="A. Snake", model_version="1.2", license="CC0")
+    assert validate_fmu(str(file)) == []
+    assert set(fmpy.supported_platforms(str(file))) == ({"linux64", "darwin64"} if fmi == "2.0" else {"darwin64"})
+    told = fmpy.read_model_description(str(file))
+    assert (told.author, told.version, told.license) == ("A. Snake", "1.2", "CC0")
+    with zipfile.ZipFile(file) as archive:
+        found = {Path(name).parent.name: archive.read(name) for name in archive.namelist() if "binaries" in name}
+        icon = archive.read("model.png" if fmi == "2.0" else "terminalsAndIcons/icon.png")
+        license = archive.read("documentation/licenses/license.txt").decode()
+    assert icon.startswith(b"\x89PNG")
+    assert license == (Path(__file__).parents[3] / "LICENSE").read_text()
+    assert found.keys() == folders.keys()
+    for folder, beginning in folders.items():
+        assert found[folder].startswith(beginning)
+    if fmi == "2.0":  # both kinds of Mac in one library, each part where the head says, and no longer than that
+        for k, kind in enumerate((b"\x0c", b"\x07")):
+            at, size = struct.unpack(">2I", found["darwin64"][8 + 20 * k + 8 :][:8])
+            assert found["darwin64"][at:].startswith(b"\xcf\xfa\xed\xfe" + kind)
+            assert at % 2**14 == 0 and at + size <= len(found["darwin64"])
 
 
 def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
@@ -518,6 +559,8 @@ def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
     [
         ({"inputs": "references"}, "`inputs` must be 'gait' for prescribed joints, .* got 'references'."),
         ({"fmi": "1.0"}, "`fmi` must be one of `2.0`, `3.0`, got '1.0'."),
+        ({"platforms": ("linux32",)}, "`platforms` must be one of `linux64`, .*`darwin`, got 'linux32'."),
+        ({"platforms": ("wasm32",)}, "`platforms` must not hold `wasm32`: there are no FMUs for browsers."),
         ({"inputs": "torques"}, "`inputs` must be one of `gait`, `references`, got 'torques'."),
         ({"environment": lc.load_ground("coulomb")}, "`environment` must be of class Water, got Ground."),
         ({"path": "snake.zip"}, "`path` must be a file that ends in .fmu, got snake.zip."),

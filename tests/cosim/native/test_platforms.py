@@ -131,6 +131,9 @@ def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
     with pytest.raises(ValueError, match=r"`platform` must be chosen on \w+ on riscv64, which is none of them"):
         platform_of()
     assert platform_of("win64").pair == "x86_64-windows"
+    assert [one.name for one in platforms.platforms_of(("darwin", "linux64"))] == [
+        *("linux64", "darwin-arm64", "darwin-x86-64")
+    ]
     with pytest.raises(ValueError, match=r"`platform` must be one of `linux64`, .* got 'win32'"):
         platform_of("win32")
 

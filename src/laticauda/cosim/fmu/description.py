@@ -1,7 +1,7 @@
 """What an FMU says about itself: `modelDescription.xml` for programs, and a page for people."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -41,18 +41,23 @@ class Description:
     """What swims, in words [-]."""
     facts: tuple[tuple[str, str], ...]
     """What was chosen when it was made, and cannot be changed any more: name and value [-]."""
+    platforms: str
+    """Processors and systems that it has a binary for [-]."""
     variables: tuple[Variable, ...]
     """In the order of their value references."""
-
+    imprint: Mapping[str, str | None]
+    """Author, version, license and the like, by the names of their attributes; empty ones are left out [-]."""
     version: str
     """Of FMI: 2.0 or 3.0 [-]."""
 
-    def model_description(self, guid: str) -> bytes:
+    def model_description(self, guid: str = "", date: str = "") -> bytes:
         """The file modelDescription.xml.
 
         Args:
             guid: What tells this FMU from others.
+            date: When it was made.
         """
+        imprint = {**self.imprint, "generationDateAndTime": date}
         is_old = self.version == "2.0"
         root = Element(
             "fmiModelDescription",
@@ -60,6 +65,7 @@ class Description:
                 "fmiVersion": self.version,
                 "modelName": self.identifier,
                 "guid" if is_old else "instantiationToken": guid,
+                **{name: text for name, text in imprint.items() if text},
             },
             description=f"{self.robot} Kernels of laticauda as machine code; needs no Python.",
             generationTool=f"laticauda {__version__}",
@@ -96,6 +102,7 @@ class Description:
             robot=escape(self.robot),
             version=escape(__version__),
             fmi=self.version,
+            platforms=escape(self.platforms),
             facts=facts,
             variables=listed,
         )

@@ -6,8 +6,9 @@ Machine code and tables of numbers become a shared library by a C compiler.
 import hashlib
 import io
 import os
+import time
 import zipfile
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Unpack, cast
 from uuid import UUID
@@ -15,15 +16,15 @@ from uuid import UUID
 import laticauda as lc
 from laticauda import extensions, files
 from laticauda.cosim.fmu import description
-from laticauda.cosim.native import platforms
-from laticauda.cosim.native.tables import Tables, tables_in_c, tables_of
+from laticauda.cosim.native.platforms import compiler, linked, object_code, platforms_of, universal
+from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
-from laticauda.errors import BadArgument, instance, one_of
-from laticauda.planar.model import PlanarPlant
-from laticauda.scenarios import Changes, Planar, Scenario, scenario
+from laticauda.errors import BadArgument, one_of
+from laticauda.packaging import __version__
+from laticauda.scenarios import Changes, Scenario
 
-FOLDER = Path(__file__).parent / "c"
-INPUTS = ("gait", "references")
+HERE = Path(__file__).parent
+FOLDER = HERE / "c"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot makes the same FMU
 
 
@@ -34,12 +35,16 @@ def export_fmu(
     *,
     inputs: str = "gait",
     fmi: str = "2.0",
+    platforms: Sequence[str] = (),
+    author: str | None = None,
+    model_version: str | None = None,
+    license: str = "MIT",
     **changes: Unpack[Changes],
 ) -> tuple[Variable, ...]:
     """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
 
-    Inside are the kernels that `laticauda.swim` runs, compiled for any x86-64 processor under Linux. Inputs are held
-    during a communication step of any length, which is cut into steps of the integration no longer than `dt`.
+    Inside are the kernels that `laticauda.swim` runs, compiled for each platform. Inputs are held during a
+    communication step of any length, which is cut into steps of the integration no longer than `dt`.
 
     Args:
         path: The file (.fmu); an older one is replaced.
@@ -49,6 +54,11 @@ def export_fmu(
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint, and for a driven fin).
         fmi: Version of the standard: 2.0, which all tools read, or 3.0.
+        platforms: Where it is to run: linux64, aarch64 (Linux), win64, darwin; if left out, on machines like this one.
+            For others than this machine, the package ziglang has to be there.
+        author: Who made the model, as the FMU says it.
+        model_version: Of the model; laticauda's own if left out.
+        license: Of the model. The text of the kernels' own is in the FMU.
         changes: With a robot, what else differs from the defaults; see `laticauda.scenarios.Changes`.
 
     Returns:
@@ -56,81 +66,63 @@ def export_fmu(
 
     Raises:
         ValueError: If an argument is out of its range, or robot, gait and inputs do not fit together.
-        MissingProgram: If there is no C compiler, which puts the compiled kernels into a library.
+        MissingProgram, MissingExtra: If there is no C compiler, which puts the compiled kernels into a library.
         LinkingFailed: If it fails.
     """
     file = Path(path)
     if file.suffix.lower() != ".fmu":
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
-    one_of("inputs", inputs, INPUTS)
     one_of("fmi", fmi, description.VERSIONS)
-    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(lc.Gait, gait), **changes)
-    instance("environment", chosen.environment, lc.Water)
-    instance("model", chosen.model, Planar)
-    instance("motion", chosen.motion, lc.Gait)
-    instance("start", chosen.start, lc.Start)
-    body, gait = cast(PlanarPlant, lc.plant(chosen)), chosen.gait
-    if inputs == "references" and body.joints.prescribed:
-        raise BadArgument(
-            "inputs",
-            "must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, got 'references'",
-        )
-    if inputs == "references":  # the wave stands still, so its numbers mean nothing
-        gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
-    tables = tables_of(body, gait, cast(lc.Start, chosen.start), inputs=inputs)
-    _export(file, body, tables, inputs, fmi)
+    wanted = platforms_of(platforms)
+    if any(not one.folder for one in wanted):
+        raise BadArgument("platforms", "must not hold `wasm32`: there are no FMUs for browsers")
+    tables = tables_for(robot, gait, inputs, **changes)
+    for one in wanted:
+        compiler(one)  # before the kernels, which take seconds
+    body = tables.plant
+    codes = [object_code(body.law, body.joints, body.flow.kinds, one) for one in wanted]
+    words = description.Description(
+        identifier=identifier(file.stem),
+        robot=tables.words,
+        facts=_facts(tables),
+        platforms=", ".join(one.pair for one in wanted),
+        variables=tables.variables,
+        version=fmi,
+        imprint={"author": author, "version": model_version or __version__, "license": license},
+    )
+    content = words.model_description() + tables_in_c(tables, "").encode() + b"".join(codes)
+    content += b"".join(part.read_bytes() for part in sorted(FOLDER.iterdir()))
+    guid = f"{{{UUID(hashlib.sha256(content).hexdigest()[:32])}}}"  # a digest of all that it is made of
+    sources, headers = (FOLDER / f"fmi{fmi[0]}.c",), {"tables.h": tables_in_c(tables, guid)}
+    libraries: dict[str, list[bytes]] = {}
+    for one, code in zip(wanted, codes, strict=True):
+        folder = one.folder if fmi == "2.0" else one.pair
+        name = f"binaries/{folder}/{words.identifier}{one.system.ending}"
+        libraries.setdefault(name, []).append(linked(code, one, sources, headers))
+    parts = {
+        "modelDescription.xml": words.model_description(guid, _now()),
+        **{name: universal(some) for name, some in libraries.items()},
+        "documentation/index.html": words.page().encode(),
+        "documentation/licenses/license.txt": (HERE / "license.txt").read_bytes(),
+        "model.png" if fmi == "2.0" else "terminalsAndIcons/icon.png": (HERE / "icon.png").read_bytes(),
+    }
+    files.write(file, _zipped(parts))
     return tables.variables
 
 
-def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
-    """Compile, and pack what belongs together; its identity is a digest of all that it is made of."""
-    platform = platforms.platform_of()
-    platforms.compiler(platform)  # before the kernels, which take seconds
-    code = platforms.object_code(body.law, body.joints, body.flow.kinds, platform)
-    words = description.Description(
-        identifier=_identifier(file.stem),
-        robot=_in_words(body),
-        facts=_facts(body, inputs),
-        variables=tables.variables,
-        version=fmi,
-    )
-    content = words.model_description("") + tables_in_c(tables, "").encode() + code
-    content += b"".join(part.read_bytes() for part in sorted(FOLDER.iterdir()))
-    guid = f"{{{UUID(hashlib.sha256(content).hexdigest()[:32])}}}"
-    sources, headers = (FOLDER / f"fmi{fmi[0]}.c",), {"tables.h": tables_in_c(tables, guid)}
-    folder = platform.folder if fmi == "2.0" else platform.pair
-    parts = {
-        "modelDescription.xml": words.model_description(guid),
-        f"binaries/{folder}/{words.identifier}{platform.system.ending}": platforms.linked(
-            code, platform, sources, headers
-        ),
-        "documentation/index.html": words.page().encode(),
-    }
-    files.write(file, _zipped(parts))
+def _now() -> str:
+    """This moment, or what reproducible builds take for it; to the second, as the standard has it."""
+    seconds = float(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
 
 
-def _identifier(stem: str) -> str:
-    """A name that C allows, from that of the file."""
-    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in stem)
-    return plain if plain[:1].isalpha() else f"robot_{plain}"
-
-
-def _in_words(body: PlanarPlant) -> str:
-    robot = body.robot
-    fin = "" if robot.caudal_fin is None else " with a caudal fin"
-    return (
-        f"The swimming snake robot {robot.name}{fin}: {robot.n_links} links, {robot.length:.3g} m, "
-        f"{robot.mass:.3g} kg, {body.joints.words}, in water ({body.environment.name}); planar model."
-    )
-
-
-def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
-    water = body.environment
-    assert isinstance(water, lc.Water)
+def _facts(tables: Tables) -> tuple[tuple[str, str], ...]:
+    body = tables.plant
+    water = cast(lc.Water, body.environment)
     return (
         ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
         ("joints", extensions.name_of(type(body.joints))),
-        ("inputs", inputs),
+        ("inputs", tables.inputs),
         ("drag", water.drag.words),
         ("form of the added mass", water.added_mass_form),
         ("rotational loads", water.rotational),
@@ -148,6 +140,6 @@ def _zipped(content: dict[str, bytes]) -> bytes:
         for name, data in content.items():
             entry = zipfile.ZipInfo(name, date_time=_EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             archive.writestr(entry, data)
     return raw.getvalue()

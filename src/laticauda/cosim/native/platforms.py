@@ -12,6 +12,7 @@ import importlib.util
 import os
 import shlex
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -91,6 +92,7 @@ PLATFORMS = {
     )
 }
 """By name."""
+_PAGE = 1 << 14  # of memory on a Mac; each part of a universal library begins at one
 
 
 class LinkingFailed(LaticaudaError, RuntimeError):
@@ -118,6 +120,21 @@ def platform_of(name: str = "") -> Platform:
     if (own := here()) is None:
         raise BadArgument("platform", f"must be chosen on {sys.platform} on {machine()}, which is none of them")
     return own
+
+
+def platforms_of(names: Sequence[str] = ()) -> tuple[Platform, ...]:
+    """Platforms by their names, in our order; `darwin` means both kinds of Mac, no name the platform of this machine.
+
+    Args:
+        names: Of `PLATFORMS`, or darwin.
+
+    Raises:
+        ValueError: If there is none of a name.
+    """
+    for name in names:
+        one_of("platforms", name, [*PLATFORMS, DARWIN.name])
+    found = [one for one in PLATFORMS.values() if one.name in names or one.system.name in names]
+    return tuple(found) or (platform_of(),)
 
 
 def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platform: Platform) -> bytes:
@@ -230,3 +247,18 @@ def linked(
             said = "\n".join((done.stderr or done.stdout).splitlines()[:8])
             raise LinkingFailed(f"`{' '.join(chosen)}` cannot link a library for {platform.pair}. It says:\n{said}")
         return (folder / "library").read_bytes()
+
+
+def universal(libraries: Sequence[bytes]) -> bytes:
+    """One library for macOS of several, each for other processors; of a single one, that one.
+
+    Args:
+        libraries: Files of the format Mach-O.
+    """
+    if len(libraries) == 1:
+        return libraries[0]
+    head, body = struct.pack(">2I", 0xCAFEBABE, len(libraries)), b""
+    for one in libraries:
+        head += one[7:3:-1] + one[11:7:-1] + struct.pack(">3I", len(body) + _PAGE, len(one), _PAGE.bit_length() - 1)
+        body += one + bytes(-len(one) % _PAGE)
+    return head.ljust(_PAGE, b"\0") + body

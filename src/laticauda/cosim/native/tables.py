@@ -3,7 +3,8 @@
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,10 +12,13 @@ from jaxtyping import Float, Int
 import laticauda as lc
 from laticauda.cosim.native import entry
 from laticauda.cosim.native.variables import Variable, variables_of
+from laticauda.errors import BadArgument, instance, one_of
 from laticauda.planar import model, rows
 from laticauda.planar.layout import layout
+from laticauda.scenarios import Planar, Scenario, scenario
 
 Triples = Sequence[tuple[int, int, float]]
+INPUTS = ("gait", "references")
 LETTERS = {"independent": "t", "parameter": "p", "input": "i", "output": "o"}
 
 
@@ -30,6 +34,41 @@ class Tables:
     """All rows at the start, and the factors that go with `whole`."""
     n_rows: int
     """Of the kernels' array [-]."""
+    plant: model.PlanarPlant
+    """What swims, where, and by which laws."""
+    inputs: str
+    """What drives it: gait or references [-]."""
+
+    @property
+    def words(self) -> str:
+        """What it is, in a sentence."""
+        body, robot = self.plant, self.plant.robot
+        fin = "" if robot.caudal_fin is None else " with a caudal fin"
+        return (
+            f"The swimming snake robot {robot.name}{fin}: {robot.n_links} links, {robot.length:.3g} m, "
+            f"{robot.mass:.3g} kg, {body.joints.words}, in water ({body.environment.name}); planar model."
+        )
+
+
+def tables_for(
+    robot: Scenario | lc.Robot | str | Path, gait: lc.Gait | None = None, inputs: str = "gait", **changes: Any
+) -> Tables:
+    """The arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
+    one_of("inputs", inputs, INPUTS)
+    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(lc.Gait, gait), **changes)
+    instance("environment", chosen.environment, lc.Water)
+    instance("model", chosen.model, Planar)
+    instance("motion", chosen.motion, lc.Gait)
+    instance("start", chosen.start, lc.Start)
+    plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
+    if inputs == "references" and plant.joints.prescribed:
+        raise BadArgument(
+            "inputs",
+            "must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, got 'references'",
+        )
+    if inputs == "references":  # the wave stands still, so its numbers mean nothing
+        gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
+    return tables_of(plant, gait, cast(lc.Start, chosen.start), inputs=inputs)
 
 
 def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> Tables:
@@ -73,7 +112,7 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
     packed.piece(entry.HELD, _shares(variables, "input"))
     packed.piece(entry.SEEN, [(0, rows.TIME, 1.0), *_shares(variables, "output")])
     whole, real = packed.arrays
-    return Tables(variables=variables, whole=whole, real=real, n_rows=template.size)
+    return Tables(variables=variables, whole=whole, real=real, n_rows=template.size, plant=plant, inputs=inputs)
 
 
 class _Packed:
@@ -145,6 +184,12 @@ def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, fie
     change = (other - here) / step
     change[np.abs(other - here) <= 1e-13 * np.abs(here)] = 0.0
     return change
+
+
+def identifier(stem: str) -> str:
+    """A name that C allows, from that of a file."""
+    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in stem)
+    return plain if plain[:1].isalpha() else f"robot_{plain}"
 
 
 def tables_in_c(tables: Tables, guid: str) -> str:

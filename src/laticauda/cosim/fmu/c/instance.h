@@ -14,7 +14,11 @@
 
 #include "tables.h"
 
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
 #define EXPORT __attribute__((visibility("default")))
+#endif
 #define MOST_STEPS 1e9 /* of one communication step: minutes */
 #define MOST_TEXT 400  /* of a message */
 
