@@ -1,0 +1,29 @@
+"""The stored answer of campaigns/platforms.py: what the docs say of it, and one of its runs anew."""
+
+import math
+
+import pytest
+from campaign_scripts import campaign
+
+from laticauda.cosim import export_fmu
+from laticauda.cosim.native.platforms import PLATFORMS, here
+
+platforms = campaign("platforms")
+
+
+def test_every_platform_that_could_be_run_swims_as_python_does():
+    kept = platforms.stored()
+    assert {(one.platform, one.case) for one in kept} == {
+        (name, case) for name, platform in PLATFORMS.items() if platform.folder for case in platforms.cases()
+    }
+    for one in kept:
+        assert math.isnan(one.error) if one.platform.startswith("darwin") else one.error < 1e-12
+
+
+def test_a_program_in_c_swims_here_as_the_stored_answer_says(tmp_path):
+    own = here()
+    if own is None or own.name not in platforms.RUNNERS or platforms.missing(own.name):
+        pytest.skip("its library cannot be run here")
+    fmu, scenario = tmp_path / "snake.fmu", platforms.cases()["prescribed joints"]
+    export_fmu(fmu, scenario)
+    assert platforms.error(scenario, own.name, fmu, platforms.driver(own.name, tmp_path)) < 1e-12
