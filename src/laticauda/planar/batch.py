@@ -19,7 +19,7 @@ from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
-from laticauda.dynamics.school import usable_cores
+from laticauda.dynamics.school import TOLD, usable_cores
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout
@@ -30,8 +30,11 @@ Result = TypeVar("Result")
 # What fills a register of AVX-512; processors without it take two or four registers for the same numbers, and 16 lanes
 # are no faster.
 WIDTH = 8
-# Blocks that one thread takes at a time, and samples that are logged at a time.
-_BLOCKS = 2
+# Where the numbers of a wave stand (`TOLD`), and of these the first in the state with which it begins.
+COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
+BEGUN = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
+# The most blocks that one thread takes at a time, and samples that are logged at a time.
+_BLOCKS = 8
 _SAMPLES = 2000
 # Of derivatives: far below rounding, and a power of two, so that it changes no digits.
 STEP = 2.0**-100
@@ -106,7 +109,8 @@ def march_many(
         What `use` returned, in no particular order of runs.
     """
     n_intervals = max(1, round(duration / sample_interval))
-    tasks = _tasks(runs, duration / n_intervals)
+    n_threads = threads or usable_cores()
+    tasks = _tasks(runs, duration / n_intervals, n_threads)
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
         kind = float if runs[0].slope is None else complex
@@ -116,7 +120,6 @@ def march_many(
         kernel = first.kernels_of(WIDTH).run
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
-    n_threads = threads or usable_cores()
     with ThreadPoolExecutor(n_threads) as pool:
         waiting = deque[Future[list[Result]]](pool.submit(work, task) for task in islice(tasks, 2 * n_threads))
         try:
@@ -129,12 +132,13 @@ def march_many(
                 future.cancel()
 
 
-def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
+def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[list[np.ndarray]]:
     """Indices of runs that can go side by side, in blocks of up to WIDTH, a few blocks per task."""
     for alike in kinds_of(runs, interval):
         blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
-        for i in range(0, len(blocks), _BLOCKS):
-            yield blocks[i : i + _BLOCKS]
+        count = min(max(len(blocks) // (4 * n_threads), 1), _BLOCKS)
+        for i in range(0, len(blocks), count):
+            yield blocks[i : i + count]
 
 
 def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
@@ -171,7 +175,7 @@ def _march(
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    S = _side_by_side([run.rows for run in runs], [run.slope for run in runs])
+    S = _side_by_side(runs)
     implicit = plant.is_implicit
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
@@ -205,17 +209,41 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
     )
 
 
-def _side_by_side(values: Sequence[np.ndarray], slopes: Sequence[np.ndarray | None]) -> np.ndarray:
+def _side_by_side(runs: Sequence[Run]) -> np.ndarray:
     """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
-    index = np.minimum(np.arange(WIDTH), len(values) - 1)
-    S = aligned((values[0].size, WIDTH), float if slopes[0] is None else complex)
-    if slopes[0] is None:
-        S[:] = np.stack(values, axis=1)[:, index]
-        return S
-    real, imaginary = split(S)
-    real[:] = np.stack(values, axis=1)[:, index]
-    imaginary[:] = STEP * np.stack(cast("Sequence[np.ndarray]", slopes), axis=1)[:, index]
+    columns = _columns(runs)
+    S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
+    real, n = S, len(runs)
+    if runs[0].slope is not None:
+        real, slopes = split(S)
+        slopes[:, :n] = STEP * np.stack([cast(np.ndarray, run.slope) for run in runs], axis=1)
+        slopes[:, n:] = slopes[:, n - 1 : n]
+    real[:, :n] = columns
+    real[:, n:] = columns[:, -1:]
     return S
+
+
+def _columns(runs: Sequence[Run]) -> np.ndarray:
+    """The rows of several runs; where their waves alone differ, most are worked out once."""
+    first = runs[0]
+    if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
+        return np.stack([run.rows for run in runs], axis=1)
+    S = np.repeat(first.rows[:, np.newaxis], len(runs), axis=1)
+    waves = np.array([[getattr(run.command.gait, name) for name in TOLD] for run in runs]).T
+    S[COMMAND], S[BEGUN] = waves, waves[: len(BEGUN)]
+    S[rows.OFFSET] += first.command.offset
+    return S
+
+
+def _differ_in_waves(one: Run, other: Run) -> bool:
+    """Whether two runs differ in nothing but `TOLD`."""
+    if one.plant is not other.plant or one.start != other.start:
+        return False
+    a, b = vars(one.command), vars(other.command)
+    if any(a[name] != b[name] for name in a if name != "gait"):
+        return False
+    a, b = vars(one.command.gait), vars(other.command.gait)
+    return all(a[name] == b[name] for name in a if name not in TOLD)
 
 
 def _numbers(lanes: np.ndarray) -> np.ndarray:

@@ -94,6 +94,19 @@ class PlanarPlant(Plant[Planar]):
         return specialize(width, self.law, self.joints, self.flow.kinds)
 
     @cached_property
+    def _envelope(self) -> np.ndarray:
+        """The rows of the envelope of the body's joints."""
+        a = self.layout
+        return rows.HEADER_ROWS + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS + rows.ENVELOPE
+
+    @cached_property
+    def _written(self) -> np.ndarray:
+        """The rows of a command, of a state vector and of the envelope."""
+        joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
+        header = [*range(rows.AMPLITUDE, rows.RAMP + 1), *range(rows.TIME, rows.TIME + rows.LOG_STATE)]
+        return np.concatenate((header, joints + rows.ANGLE, joints + rows.RATE, self._envelope))
+
+    @cached_property
     def _kernels(self) -> Any:
         return self.kernels_of(1)
 
@@ -110,15 +123,15 @@ class PlanarPlant(Plant[Planar]):
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
         start.check_planar()
-        values = np.zeros(self._size)
+        yaw, _, fin = self._first_waves(command)
+        values = [0.0] * self._size
         values[_at(rows.HEADING)] = start.heading
-        values[_at(rows.X)], values[_at(rows.Y)] = start.center_of_mass
+        values[_at(rows.X) : _at(rows.Y) + 1] = start.center_of_mass
         values[_at(rows.VX)] = start.velocity * math.cos(start.heading)
         values[_at(rows.VY)] = start.velocity * math.sin(start.heading)
-        yaw, _, fin = self._first_waves(command)
         values[self.generator[0]] = yaw
-        values[_at(rows.FIN_PHASE) :][:5] = fin[:5]
-        return PlantState(values=values)
+        values[_at(rows.FIN_PHASE) : _at(rows.FIN_PHASE) + 5] = fin[:5]
+        return PlantState(values=np.array(values))
 
     def observe(self, state: PlantState) -> Observation:
         """What can be seen of a state."""
@@ -133,24 +146,21 @@ class PlanarPlant(Plant[Planar]):
                 "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}",
             )
-        S, values = a.template.copy(), self._begun(state, command)
-        yaw, _, fin = self._targets(command)
-        S[rows.AMPLITUDE : rows.OFFSET + 1] = yaw[:4]
-        S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = fin.amplitude, fin.frequency, fin.offset, fin.phase
+        S, (yaw, _, fin) = a.template.copy(), self._targets(command)
+        shares = S[self._envelope]  # of prescribed joints, what they do of their references
+        wave = *yaw[:4], fin.amplitude, fin.frequency, fin.offset, fin.phase
+        loop = self.settings.offset_bandwidth, self.ramp if command.references is None else 0.0
+        envelope = shares * gait.joint_envelope(self.robot.n_links)
+        S[self._written] = np.concatenate(((*wave, *loop), self._begun(state, command), envelope))
         if (robot := command.effectors(self.robot)) is not self.robot:
             write_effectors(S[: S.size - self.flow.numbers.size], robot, self.environment, first_link=a.tail_link)
-        S[rows.BANDWIDTH] = self.settings.offset_bandwidth
-        S[rows.RAMP] = self.ramp if command.references is None else 0.0
-        S[rows.TIME : rows.TIME + rows.LOG_STATE] = values[: rows.LOG_STATE]
-        body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-        body[1:, rows.ANGLE], body[1:, rows.RATE] = values[rows.LOG_STATE :].reshape(2, -1)
-        driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
-        joints = body[driven, : rows.JOINT_ROWS]
-        table = self._recorded(command, joints[: self.robot.n_joints, 0])
-        joints[: self.robot.n_joints, 0] *= gait.joint_envelope(self.robot.n_links)
-        self._hold(joints, command)
-        body[driven, : rows.JOINT_ROWS] = joints
-        if table is None:
+        if command.references is not None or command.enabled is not None:
+            body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+            driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
+            joints = body[driven, : rows.JOINT_ROWS]
+            self._hold(joints, command)
+            body[driven, : rows.JOINT_ROWS] = joints
+        if (table := self._recorded(command, shares)) is None:
             return S
         S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
         return np.concatenate((S, table.ravel()))

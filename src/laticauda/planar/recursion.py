@@ -28,15 +28,14 @@ water_around = _loads.water_around
 
 
 @kernel
-def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras):
-    """Accelerations of the base and of the joints, for the state in S."""
+def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, whole):
+    """Accelerations of the base and of the free joints, for the state in S; `whole`: those of all bodies too."""
     velocities(S, n)
     water_around(S, n, first_strip, first_plate, tail_link, has_extras)
     if has_extras:
         extra_loads(S, n, first_strip, first_plate, tail_link)
-    inward(S, n, is_free)
-    floating_base(S)
-    outward(S, n, is_free)
+    floating_base(S, inward(S, n, is_free, whole))
+    outward(S, n, is_free, whole)
 
 
 @kernel
@@ -77,17 +76,41 @@ def velocities(S, n):
 
 
 @kernel
-def inward(S, n, is_free):
-    """Articulated inertia and bias force of every body, from the head to the tail."""
-    for i in range(n - 1, -1, -1):
-        b = HEADER_ROWS + i * BODY_ROWS
-        has_child = i < n - 1
-        child_is_free = has_child and is_free[i + 1]
-        for k, own in enumerate((*own_inertia(S, b), *own_bias(S, b))):
-            S[b + A00 + k] = own
-        if has_child:
-            for k, carried in enumerate(through_joint(S, b, child_is_free)):
-                S[b + A00 + k] += carried
+def inward(S, n, is_free, whole):
+    """Articulated inertia and bias force of body 0, gathered from the head on; what `outward` needs is kept."""
+    b = HEADER_ROWS + (n - 1) * BODY_ROWS
+    carried = of_body(S, b)
+    for i in range(n - 2, -1, -1):
+        if whole or is_free[i + 1]:
+            keep_articulated(S, b, carried)
+        carried = through_joint(S, b, is_free[i + 1], carried)
+        b -= BODY_ROWS
+        carried = plus(of_body(S, b), carried)
+    if whole:
+        keep_articulated(S, b, carried)
+    return carried
+
+
+@kernel
+def of_body(S, b):
+    """Inertia and bias force of one body alone."""
+    return *own_inertia(S, b), *own_bias(S, b)
+
+
+@kernel
+def plus(own, carried):
+    """What a body has of its own, and what hangs on it."""
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = own
+    c00, c01, c02, c11, c12, c22, q0, q1, q2 = carried
+    return a00 + c00, a01 + c01, a02 + c02, a11 + c11, a12 + c12, a22 + c22, p0 + q0, p1 + q1, p2 + q2
+
+
+@kernel
+def keep_articulated(S, b, articulated):
+    """Store of a body's articulated inertia the row of its rotation, and the bias force."""
+    a00, a01, a02, _, _, _, p0, p1, p2 = articulated
+    for k, one in enumerate((a00, a01, a02, p0, p1, p2)):
+        S[b + A00 + k] = one
 
 
 @kernel
@@ -121,15 +144,14 @@ def centripetal(S, a):
 
 
 @kernel
-def through_joint(S, b, joint_is_free):
-    """Articulated inertia and bias of the child of body b, seen through the joint and moved to the tail end of b."""
-    j = b + BODY_ROWS
-    a00, a01, a02 = S[j + A00], S[j + A01], S[j + A02]
-    a11, a12, a22 = S[j + A11], S[j + A12], S[j + A22]
+def through_joint(S, j, joint_is_free, articulated):
+    """Articulated inertia and bias of body j, seen through its joint and moved to the tail end of the body behind."""
+    b = j - BODY_ROWS
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     pull_x, pull_y = centripetal(S, b)
-    p0 = S[j + P0] + a01 * pull_x + a02 * pull_y
-    p1 = S[j + P1] + a11 * pull_x + a12 * pull_y
-    p2 = S[j + P2] + a12 * pull_x + a22 * pull_y
+    p0 += a01 * pull_x + a02 * pull_y
+    p1 += a11 * pull_x + a12 * pull_y
+    p2 += a12 * pull_x + a22 * pull_y
     if joint_is_free:
         left = S[j + TOTAL_TORQUE] - p0
         give = 1.0 / (a00 + S[j + IMPLICIT])
@@ -152,12 +174,10 @@ def through_joint(S, b, joint_is_free):
 
 
 @kernel
-def floating_base(S):
+def floating_base(S, articulated):
     """Acceleration of body 0 from A a + p = 0."""
     b = HEADER_ROWS
-    a00, a01, a02 = S[b + A00], S[b + A01], S[b + A02]
-    a11, a12, a22 = S[b + A11], S[b + A12], S[b + A22]
-    p0, p1, p2 = S[b + P0], S[b + P1], S[b + P2]
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
     share = 1.0 / determinant  # a division takes as long as ten other operations
     x_1 = (a22 * a01 - a12 * a02) * share
@@ -169,8 +189,8 @@ def floating_base(S):
 
 
 @kernel
-def outward(S, n, is_free):
-    """Accelerations of all bodies and joints, and those of heading and center of mass."""
+def outward(S, n, is_free, whole):
+    """Accelerations of heading, center of mass and free joints; `whole`: those of all bodies and joints."""
     H = HEADER_ROWS
     spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
     heading, ax, ay = spin, 0.0, 0.0
@@ -191,10 +211,12 @@ def outward(S, n, is_free):
             qx += pull_x
             qy += pull_y
             heading += S[b + HEADING_SHARE] * swing
-            S[b + ACCELERATION] = swing
-            S[b + LINK_ACCELERATION] = spin
-            S[b + QX] = qx
-            S[b + QY] = qy
+            if whole or is_free[i]:
+                S[b + ACCELERATION] = swing
+            if whole:
+                S[b + LINK_ACCELERATION] = spin
+                S[b + QX] = qx
+                S[b + QY] = qy
         rate, arm = S[b + LINK_RATE], S[b + FIRST_MOMENT_SHARE]
         across, along = arm * spin, arm * rate * rate
         c, s = S[b + COS], S[b + SIN]

@@ -145,12 +145,9 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     EXTRA_T,  # loads besides the body's own drag, link axes, moment about the tail end
     EXTRA_N,
     EXTRA_MOMENT,
-    A00,  # articulated inertia about the joint, world axes (rotation, x, y)
+    A00,  # of the articulated inertia about the joint the row of the rotation, world axes (rotation, x, y)
     A01,
     A02,
-    A11,
-    A12,
-    A22,
     P0,  # bias force
     P1,
     P2,
@@ -164,7 +161,7 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(JOINT_ROWS, 82)
+) = range(JOINT_ROWS, 79)
 
 # --- One record per fin strip: the rows of an element, from CENTER on -------------------------------------------------
 (MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T))

@@ -12,13 +12,12 @@ from laticauda.dynamics.school import Currents
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Observation, Start
 from laticauda.planar import rows
-from laticauda.planar.batch import WIDTH, aligned
+from laticauda.planar.batch import COMMAND, WIDTH, aligned
 from laticauda.planar.layout import flow_rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Water, has_power_model
 
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
-COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
 NOW = (rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW, rows.OFFSET_NOW)
 # In the order of `Motion`; the work comes last.
 SEEN = (rows.TIME, rows.X, rows.Y, rows.VX, rows.VY, rows.HEADING, rows.HEADING_RATE, rows.PHASE, *NOW)

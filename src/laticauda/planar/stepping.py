@@ -64,7 +64,7 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
     for step in range(steps + 1):
         if implicit:
             joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
         holding_torques(S, n, is_free)
         count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
@@ -78,7 +78,7 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
             break
         if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
             joint_torques(S, n, law, GAMMA * dt)
-            accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
+            accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
         if implicit:
             finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
         else:
@@ -90,7 +90,7 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
-    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
+    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
     holding_torques(S, n, is_free)
 
 
@@ -106,7 +106,7 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
         read_sample(S, n, rows_of(log[sample]))
         set_reference(S, n, law, tail_link)
         joint_torques(S, n, law, 0.0)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
         body_forces(S, n, first_strip, rows_of(force[sample]))
 
 
@@ -136,8 +136,8 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != 1:
             advance_reference(S, n, law, tail_link, 0.25 * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
-        if stage == 2:  # half way
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2)
+        if stage == 2:  # half way, where the work is counted
             holding_torques(S, n, is_free)
             count_work(S, n, law, 0.5 * dt)
     keep_slope(S, 5)
@@ -169,7 +169,7 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
     keep_first_slope(S, n, is_free, dt, gamma_dt)
     advance_reference(S, n, law, tail_link, dt)
     second_torques(S, n, law, gamma_dt)
-    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
+    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
     for r in range(3):
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
         slope = combined(S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt)

@@ -12,21 +12,20 @@ from jaxtyping import Bool, Float, Inexact
 from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.planar import rows
-from laticauda.planar.batch import STEP, Block, Run, march_many
+from laticauda.planar.batch import Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
+from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
+from laticauda.simulate import batch_figures
+from laticauda.simulate.batch_figures import Figure
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, check_size
 from laticauda.simulate.several import swim_each
-from laticauda.trial import Trial, feasibility, metrics
-from laticauda.trial.cycles import hermite, steady_part
+from laticauda.trial import Trial, metrics
 
 DEVICES = ("cpu", "cuda")
 Item = TypeVar("Item")
-Figure = Float[np.ndarray, " n_trials"]
 Look = Callable[[Sequence[Run], Block], None]
 """What is done with the runs of a block and what they left behind."""
 
@@ -189,18 +188,21 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
     if not scenarios:
         raise BadArgument("scenarios", "must hold at least one item, got none")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
+    common = scenarios[0].duration, scenarios[0].sample_interval
     runs: list[Run] = []
     for i, one in enumerate(scenarios):
         key = id(one.robot), id(one.environment), id(one.model)  # the scenarios keep them alive
         if key not in plants:
             instance(f"scenarios[{i}].model", one.model, Planar)
             plants[key] = cast(PlanarPlant, plant(one))
-        for name in ("duration", "sample_interval"):
-            if getattr(one, name) != getattr(scenarios[0], name):
-                raise BadArgument(name, f"must be the same in all scenarios, got {getattr(one, name):g} s too")
-        instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
+        if (one.duration, one.sample_interval) != common:
+            name = "duration" if one.duration != common[0] else "sample_interval"
+            raise BadArgument(name, f"must be the same in all scenarios, got {getattr(one, name):g} s too")
+        if not isinstance(one.motion, Gait):
+            instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
+        if not isinstance(one.start, Start):
+            instance(f"scenarios[{i}].start", one.start, Start)
         command = one.motion.command if isinstance(one.motion, OpenLoop) else Command(gait=one.gait)
-        instance(f"scenarios[{i}].start", one.start, Start)
         runs.append(Run(plant=plants[key], command=command, start=cast(Start, one.start)))
     return runs
 
@@ -252,110 +254,31 @@ def collected(
         march = march_on_gpu
     n, carried = len(runs), weights
     if carried is None:
-        weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
+        plants: dict[int, PlanarPlant] = {id(run.plant): run.plant for run in runs}
+        weight = {key: metrics.carried_weight(one.robot, one.environment) for key, one in plants.items()}
         carried = np.array([weight[id(run.plant)] for run in runs])
-    numbers = np.full((len(UNITS), n), np.nan, dtype=carried.dtype)
+    n_intervals = max(1, round(duration / sample_interval))
+    steady = batch_figures.Steady.of(runs, np.linspace(0.0, duration, n_intervals + 1))
+    left = np.full((batch_figures.KEPT, n), np.nan, dtype=carried.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
-    def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-        mine = [runs[int(i)] for i in block.index]
+    def keep(block: Block) -> np.ndarray:
         if look is not None:
-            look(mine, block)
-        return block.index, block.n_samples, _figures(mine, carried[block.index], block)
-
-    n_intervals = max(1, round(duration / sample_interval))
-    finished = 0
-    for index, n_samples, found in march(runs, duration, sample_interval, figures, threads=threads):
-        well = n_samples == n_intervals + 1
-        succeeded[index] = well
-        for row, name in enumerate(UNITS):
-            numbers[row, index[well]] = found[name][well]
-        for i, reached in zip(index[~well], n_samples[~well], strict=True):
+            look([runs[int(i)] for i in block.index], block)
+        left[:, block.index] = batch_figures.kept(block, steady.before[block.index])
+        succeeded[block.index] = well = block.n_samples == n_intervals + 1
+        for i, reached in zip(block.index[~well], block.n_samples[~well], strict=True):
             status[i] = runs[int(i)].plant.what_went_wrong(float(reached) * duration / n_intervals)
+        return block.index
+
+    finished = 0
+    for index in march(runs, duration, sample_interval, keep, threads=threads):
         finished += index.size
         if progress is not None:
             progress(finished / n)
-    figures_by_name: dict[str, np.ndarray] = dict(zip(UNITS, numbers, strict=True))
-    return Collected(figures=figures_by_name, succeeded=succeeded, status=tuple(status))
-
-
-def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
-    """The figures of `laticauda.trial.feasibility` for every run of a block whose log has what the joints did.
-
-    Args:
-        runs: Those of the block.
-        block: What they left behind.
-    """
-    layout, robots = runs[0].plant.layout, [run.plant.robot for run in runs]
-    tail, n_joints = layout.tail_link, layout.n_bodies - 1
-    log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
-    if len(robots[0].driven_joints) > robots[0].n_joints:
-        log = np.concatenate((log, log[:, :, tail - 1 : tail]), axis=2)
-    periods = [2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
-    counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
-    with np.errstate(all="ignore"):
-        return feasibility.peaks(robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts)
-
-
-def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str, np.ndarray]:
-    """The figures of one block; numbers without meaning where a run diverged."""
-    with np.errstate(all="ignore"):
-        duration = block.time[-1] - block.time[0]
-        end = block.center_of_mass[-1]
-        speed = _size(end - block.center_of_mass[0]) / duration
-        power = block.work / duration
-        electrical = [has_power_model(run.plant.robot, run.plant.joints) for run in runs]
-        mean = cast(np.ndarray, np.where(electrical, power[3], power[0]))
-        moving = speed.real > metrics.STILL
-        return {
-            "forward_velocity": speed,
-            "steady_velocity": _steady_velocity(runs, block),
-            "mechanical_power": power[0],
-            "net_power": power[1],
-            "positive_power": power[2],
-            "mean_power": mean,
-            "cost_of_transport": np.where(moving, mean / (weight * speed), np.nan),
-            "x": end[0].copy(),
-            "y": end[1].copy(),
-            "heading": block.heading,
-        }
-
-
-def _size(vector: np.ndarray) -> np.ndarray:
-    """|vector|, complex steps included; the first axis holds x and y."""
-    return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
-
-
-def _steady_velocity(runs: Sequence[Run], block: Block) -> np.ndarray:
-    """`metrics.steady_velocity` for every run, nan where that refuses."""
-    time = block.time
-    start = np.array([_steady_start(time, run.command.gait) for run in runs])
-    possible = np.isfinite(start)
-    start = np.where(possible, start, time[0])
-    i = np.clip(np.searchsorted(time, start, side="right") - 1, 0, time.size - 2)
-    if runs[0].slope is not None:
-        slopes = [_start_slope(run, time[-1] - at) for run, at in zip(runs, start, strict=True)]
-        start = start + 1j * STEP * np.array(slopes)
-    step = time[i + 1] - time[i]
-    k = np.arange(len(runs))
-    p, v = block.center_of_mass, block.center_of_mass_velocity
-    begin = hermite((start - time[i]) / step, step, (p[i, :, k].T, p[i + 1, :, k].T), (v[i, :, k].T, v[i + 1, :, k].T))
-    return np.where(possible, _size(p[-1] - begin) / (time[-1] - start), np.nan)
-
-
-def _start_slope(run: Run, steady: float) -> float:
-    """How the begin of the steady part, a whole number of cycles before the end, follows the run's parameter."""
-    frequency = run.command.gait.frequency
-    assert run.slope is not None
-    return steady / frequency * float(run.slope[rows.FREQUENCY]) if frequency > 0.0 else 0.0
-
-
-def _steady_start(time: np.ndarray, gait: Gait) -> float:
-    """Where the steady part begins [s]; nan if there is none."""
-    try:
-        return steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
-    except ValueError:
-        return np.nan
+    found = batch_figures.figures(runs, carried, left, steady)
+    figures = {name: np.where(succeeded, one, np.nan) for name, one in found.items()}
+    return Collected(figures=figures, succeeded=succeeded, status=tuple(status))
 
 
 def _common_length(given: Mapping[str, object]) -> int:

@@ -11,7 +11,8 @@ from jaxtyping import Float, Shaped
 import laticauda as lc
 from laticauda import codec, extensions, packaging
 from laticauda.errors import BadArgument, instance
-from laticauda.simulate.many import Block, Run, collected, joint_peaks, runs_of
+from laticauda.simulate.batch_figures import Block, Run, joint_peaks
+from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
 from laticauda.trial.feasibility import NEEDS
 

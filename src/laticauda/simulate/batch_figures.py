@@ -1,0 +1,130 @@
+"""The figures of the runs of a batch: of each, a few numbers are kept while it is at hand, and all are used at once."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, cast
+
+import numpy as np
+from jaxtyping import Float, Inexact, Int
+
+from laticauda.gaits import Gait
+from laticauda.planar import rows
+from laticauda.planar.batch import PATH_ROWS, STEP, Block, Run
+from laticauda.robot import has_power_model
+from laticauda.trial import feasibility, metrics
+from laticauda.trial.cycles import hermite, steady_part
+
+Figure = Float[np.ndarray, " n_trials"]
+
+
+class Steady(NamedTuple):
+    """Where the steady part of every run begins."""
+
+    start: Inexact[np.ndarray, " n_runs"]
+    """[s]; nan if there is none, complex if the runs have slopes."""
+    before: Int[np.ndarray, " n_runs"]
+    """The last sample that is not later."""
+    time: Float[np.ndarray, " n_samples"]
+    """Of all samples [s]."""
+
+    @classmethod
+    def of(cls, runs: Sequence[Run], time: np.ndarray) -> "Steady":
+        """Of every run.
+
+        Args:
+            runs: With their gaits.
+            time: Of their samples [s].
+        """
+        start = np.array([_steady_start(time, run.command.gait) for run in runs])
+        before = np.searchsorted(time, np.nan_to_num(start), side="right") - 1
+        if runs[0].slope is not None:
+            slopes = [_start_slope(run, time[-1] - at) for run, at in zip(runs, start.tolist(), strict=True)]
+            start = start + 1j * STEP * np.array(slopes)
+        return cls(start, np.clip(before, 0, time.size - 2), time)
+
+
+# What is kept of a run: its place at the start and at the end, place and velocity around the start of its steady part,
+# heading and work at the end.
+_PATH = [rows.X - rows.TIME, rows.Y - rows.TIME, rows.VX - rows.TIME, rows.VY - rows.TIME]
+KEPT = 2 + 2 + 4 + 4 + 1 + 4
+
+
+def kept(block: Block, before: np.ndarray) -> np.ndarray:
+    """What is kept of the runs of a block.
+
+    Args:
+        block: What they left behind.
+        before: See `Steady`.
+    """
+    k, p = np.arange(before.size), block.center_of_mass
+    around = block.log[before, :PATH_ROWS, k], block.log[before + 1, :PATH_ROWS, k]
+    return np.concatenate((p[0], p[-1], *(one[:, _PATH].T for one in around), block.heading[np.newaxis], block.work))
+
+
+def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: Steady) -> dict[str, np.ndarray]:
+    """The figures of all runs from what is kept of them; numbers without meaning where a run diverged.
+
+    Args:
+        runs: Of the batch.
+        weight: What their robots carry [N].
+        left: What is kept of them, a column each.
+        steady: Where their steady parts begin.
+    """
+    start, end, a, b, c, d = (left[k : k + 2] for k in range(0, 12, 2))
+    duration, heading, work = float(steady.time[-1]), left[12], left[13:]
+    powered = {id(run.plant): has_power_model(run.plant.robot, run.plant.joints) for run in runs}
+    at = steady.time[steady.before]
+    step = steady.time[steady.before + 1] - at
+    with np.errstate(all="ignore"):
+        speed, power = _size(end - start) / duration, work / duration
+        mean = cast(np.ndarray, np.where([powered[id(run.plant)] for run in runs], power[3], power[0]))
+        begin = hermite((steady.start - at) / step, step, (a, c), (b, d))
+        return {
+            "forward_velocity": speed,
+            "steady_velocity": _size(end - begin) / (duration - steady.start),
+            "mechanical_power": power[0],
+            "net_power": power[1],
+            "positive_power": power[2],
+            "mean_power": mean,
+            "cost_of_transport": np.where(speed.real > metrics.STILL, mean / (weight * speed), np.nan),
+            "x": end[0],
+            "y": end[1],
+            "heading": heading,
+        }
+
+
+def _size(vector: np.ndarray) -> np.ndarray:
+    """|vector|, complex steps included; the first axis holds x and y."""
+    return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
+
+
+def _start_slope(run: Run, steady: float) -> float:
+    """How the begin of the steady part, a whole number of cycles before the end, follows the run's parameter."""
+    frequency = run.command.gait.frequency
+    assert run.slope is not None
+    return steady / frequency * float(run.slope[rows.FREQUENCY]) if frequency > 0.0 else 0.0
+
+
+def _steady_start(time: np.ndarray, gait: Gait) -> float:
+    """Where the steady part begins [s]; nan if there is none."""
+    try:
+        return steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
+    except ValueError:
+        return np.nan
+
+
+def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
+    """The figures of `laticauda.trial.feasibility` for every run of a block whose log has what the joints did.
+
+    Args:
+        runs: Those of the block.
+        block: What they left behind.
+    """
+    layout, robots = runs[0].plant.layout, [run.plant.robot for run in runs]
+    tail, n_joints = layout.tail_link, layout.n_bodies - 1
+    log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
+    if len(robots[0].driven_joints) > robots[0].n_joints:
+        log = np.concatenate((log, log[:, :, tail - 1 : tail]), axis=2)
+    periods = [2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
+    counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
+    with np.errstate(all="ignore"):
+        return feasibility.peaks(robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts)
