@@ -6,6 +6,7 @@
 Names are imported when they are first used, so that ``import laticauda`` stays fast and loads no heavy library.
 """
 
+import os
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
@@ -39,4 +40,6 @@ if TYPE_CHECKING:
     from laticauda.simulate import swim_many as swim_many, swim_together as swim_together
     from laticauda.trial import Trial as Trial, compare as compare, joined as joined
 
+if not os.path.isdir(__path__[0]):
+    raise ImportError("laticauda must be installed in a folder: it reads kernels and presets from files, not archives")
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -1,7 +1,12 @@
 """Compile scalar laws, which are plain Python functions, for the kernels of every model."""
 
+import atexit
 import dis
 import hashlib
+import os
+import shutil
+import tempfile
+import warnings
 from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -11,7 +16,7 @@ from pathlib import Path
 from types import CellType, CodeType, FunctionType
 from typing import Any, cast, no_type_check
 
-from numba import njit
+from numba import config, njit
 from numba.core.errors import NumbaError
 from numba.extending import overload
 
@@ -20,6 +25,24 @@ from laticauda.compiling import lanes
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import INLINED, OPTIONS
 from laticauda.files import locked
+
+
+def _find_folder() -> None:
+    """Where Numba may write to no folder of its own, make it keep machine code in one of this program and its children.
+
+    The folder goes with the program.
+    """
+    try:
+        njit(cache=True)(_find_folder)
+    except RuntimeError:
+        folder = tempfile.mkdtemp(prefix="laticauda-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        os.environ["NUMBA_CACHE_DIR"] = cast(Any, config).CACHE_DIR = folder
+        kept = f"compiled kernels are kept in {folder} until this program ends"
+        warnings.warn(f"{kept}; name a folder in NUMBA_CACHE_DIR that it may write to", stacklevel=2)
+
+
+_find_folder()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
