@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.logs.measuring import rate
+from laticauda.logs.loading import rate
 from laticauda.logs.placing import filled
 
 coefficients = st.tuples(*[st.floats(-2.0, 2.0)] * 4)

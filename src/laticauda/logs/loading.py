@@ -1,13 +1,23 @@
-"""A trial from any file: one that laticauda wrote, or somebody's log with a map of its columns."""
+"""A trial from any file: one that laticauda wrote, or somebody's log with a map of its columns.
+
+From a table to a `Trial` go units, axes, kinematics, gaps, rates and work.
+"""
 
 from collections.abc import Generator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
-from laticauda import files, trial
-from laticauda.errors import TrialFileError
-from laticauda.logs import array_files, column_maps, measuring, tabular
-from laticauda.logs.tables import Table, csv_table, qtm_table, read_c3d
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda import files, kinematics, robot, scenarios, series, trial
+from laticauda.errors import BadArgument, TrialFileError
+from laticauda.logs import column_maps, tables, tabular
+from laticauda.logs.placing import Measured, joints_of, place_of
+from laticauda.trial import dataset, metrics
+from laticauda.trial.arrays import Samples, times
 
 
 def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | None = None) -> trial.Trial:
@@ -33,7 +43,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
     if columns is not None:
         given = columns if isinstance(columns, column_maps.ColumnMap) else column_maps.load_column_map(columns)
         with _failures_of(path):
-            return measuring.measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
+            return measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
     form = trial.Format.of(path)
     if not form.is_whole:
         raise TrialFileError(
@@ -44,7 +54,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
         return trial.Trial.from_dataset(form.read(path))
 
 
-def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> Table:
+def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> tables.Table:
     """Read a file of columns: CSV, TSV, QTM's TSV, C3D, Parquet, .mat.
 
     Args:
@@ -59,9 +69,11 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     """
     ending = path.suffix.lower()
     if ending == ".c3d":
-        return read_c3d(path)
+        return tables.read_c3d(path)
     if ending in (".parquet", ".mat"):
-        return Table(columns=tabular.parquet_columns(path) if ending == ".parquet" else array_files.mat_columns(path))
+        return tables.Table(
+            columns=tabular.parquet_columns(path) if ending == ".parquet" else tabular.mat_columns(path)
+        )
     content = files.read_bytes(path)
     try:
         lines = content.decode("utf-8-sig").splitlines()
@@ -69,7 +81,9 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
         lines = content.decode("latin-1").splitlines() if b"\x00" not in content else []
     if not lines:
         raise ValueError("it is no text of columns, or it is empty.")
-    return qtm_table(lines) if lines[0].startswith("NO_OF_FRAMES") else csv_table(lines, separator, decimal)
+    return (
+        tables.qtm_table(lines) if lines[0].startswith("NO_OF_FRAMES") else tables.csv_table(lines, separator, decimal)
+    )
 
 
 @contextmanager
@@ -85,3 +99,217 @@ def _failures_of(path: Path) -> Generator[None]:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
     except (ValueError, TypeError) as error:  # a text or an array that is not as it was written
         raise TrialFileError(f"Cannot load {path}: {error}") from error
+
+
+# ---- measured trials -----------------------------------------------------------------------------------------------
+
+FASTEST = 5.0  # robot lengths per second; what is faster has another unit
+SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
+LARGEST_BEND = np.pi  # [rad]
+ORDER = 3  # of the polynomials whose slopes are rates
+
+Columns = Float[np.ndarray, "n_samples n_columns"]
+
+
+def measured_trial(table: tables.Table, given: column_maps.ColumnMap, source: str) -> trial.Trial:
+    """Make a trial of somebody's log.
+
+    What was not measured is listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles
+    are taken as they are; their rates are the slopes of cubic fits over `smoothing`. Work is that of the measured
+    torques, electrical work that of the measured power above idle (4).
+
+    Args:
+        table: The log.
+        given: What its columns are.
+        source: What it is called.
+
+    Raises:
+        ValueError: If a column is missing, time does not increase, values are missing over too long a time, or units
+            cannot be what is said; the message has the column and the value.
+    """
+    known: dict[str, Any] = {"robot": given.robot, "gait": given.gait, "environment": given.environment}
+    notes = {"model": "measured", "source": source, "smoothing": given.smoothing}
+    if given.center_of_mass is None and given.body is None and given.ends is None:
+        return _own_table(table, scenarios.Experiment(**known, notes=notes))
+    time, rows = _time(table, given)
+    log = Measured(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
+    chain = given.robot.planar()
+    arrays = {"time": time, **place_of(log, chain)}
+    arrays |= {name: joints_of(log, name, chain) for name in column_maps.UNITS if getattr(given, name) is not None}
+    _add_rates(arrays, given.smoothing)
+    _check_plausible(arrays, chain)
+    return trial.Trial.measured(
+        {**arrays, "electrical_work": None if given.power is None else _electrical_work(log)},
+        signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
+        scenario=scenarios.Experiment(**known, notes={**notes, "filled_samples": int(np.count_nonzero(log.lost))}),
+        version=version("laticauda"),
+        status=_status(log),
+    )
+
+
+# ---- time ----------------------------------------------------------------------------------------------------------
+
+
+def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n_rows"]]:
+    """Time from the start of the trial [s], and the rows of the file that belong to it."""
+    n = table.n_rows
+    if given.time.column is not None:
+        time, name = column_maps.TIMES[given.time.unit] * table[given.time.column], given.time.column
+    elif given.time.rate is not None or table.rate is not None:
+        time, name = np.arange(n) / (given.time.rate or table.rate or 1.0), "time"
+    else:
+        raise ValueError("The map must say `time.column` or `time.rate`: the file does not say when its rows were.")
+    if not np.all(np.isfinite(time)):
+        raise BadArgument(name, f"must hold numbers, and has none in its row {int(np.argmin(np.isfinite(time))) + 1}")
+    rows = np.ones(n, dtype=np.bool_)
+    if given.start is not None:
+        rows &= time >= given.start
+    if given.stop is not None:
+        rows &= time <= given.stop
+    if np.count_nonzero(rows) < 2:
+        raise ValueError(
+            f"`{name}` must have 2 samples at least between `start` and `stop`, "
+            f"got {np.count_nonzero(rows)}; the file has {n} from {time[0]:g} s to {time[-1]:g} s."
+            if n
+            else f"`{name}` must have 2 samples at least, got none."
+        )
+    kept = times(name, time[rows])
+    step = float(np.median(np.diff(kept)))
+    if step > SLOWEST_SAMPLING:
+        raise ValueError(f"`{name}` must have steps of {SLOWEST_SAMPLING:g} s at most, got {step:g} s; is its unit ms?")
+    longest = float(np.max(np.diff(kept)))
+    if longest > max(given.longest_gap, 3.0 * step):
+        at = float(kept[np.argmax(np.diff(kept))])
+        raise BadArgument(
+            name,
+            f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of "
+            f"{longest:.4g} s after {at:.6g} s; cut it off by `start` and `stop`",
+        )
+    # Counted from the start that the user asked for, or from the first row.
+    return kept - (given.start if given.start is not None else float(kept[0])), rows
+
+
+# ---- joints, rates, work -------------------------------------------------------------------------------------------
+
+
+def _add_rates(found: dict[str, Any], window: float) -> None:
+    """What else can be made of a trial's arrays: the joint angles that links tell, and rates over a window of time."""
+    if "link_angle" in found:
+        found.setdefault("joint_angle", kinematics.joint_angles(found["link_angle"]))
+    rates = {"center_of_mass": "center_of_mass_velocity", "heading": "heading_rate", "joint_angle": "joint_rate"}
+    for name, its_rate in rates.items():
+        if name in found and its_rate not in found:
+            found[its_rate] = rate(found["time"], found[name], window)
+
+
+def _electrical_work(log: Measured) -> Samples:
+    """Electrical work above idle (4) [J]."""
+    given = log.column_map.power
+    assert given is not None
+    if given.column is not None:
+        power = log.raw(given.column)
+    else:
+        assert given.current is not None
+        voltage = log.raw(given.voltage) if isinstance(given.voltage, str) else given.voltage
+        power = log.raw(given.current) * voltage
+    idle = log.column_map.robot.idle_power if given.idle is None else given.idle
+    return metrics.integral(log.time, log.whole(given.column or given.current or "", power) - idle)
+
+
+def rate(time: Samples, signal: Float[np.ndarray, "n ..."], window: float) -> Float[np.ndarray, "n ..."]:
+    """The slope of a signal: of the cubic polynomial that fits it best over a window around each moment.
+
+    A Savitzky-Golay filter, exact for cubic polynomials also at both ends, where the window is one-sided. It damps what
+    is faster than about 1 / window. Samples that are not evenly spaced are first interpolated onto ones that are.
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        signal: Values at the samples.
+        window: Length of the window [s]; at least five samples are taken, or all there are.
+
+    Source:
+        Savitzky and Golay, Analytical Chemistry 36 (1964) 1627.
+    """
+    n = time.size
+    if n < 2:
+        return np.zeros_like(signal)
+    step = float(time[-1] - time[0]) / (n - 1)
+    even = time[0] + step * np.arange(n)
+    flat = signal.reshape(n, -1)
+    is_even = bool(np.max(np.abs(even - time)) < 1e-3 * step)
+    values = flat if is_even else _interpolated(even, time, flat)
+    width = 2 * max(round(0.5 * window / step), 2) + 1
+    slope = _slopes(values, min(width, n)) / step
+    if not is_even:
+        slope = _interpolated(time, even, slope)
+    return slope.reshape(signal.shape)
+
+
+def _interpolated(at: Samples, time: Samples, values: Columns) -> Columns:
+    found = np.empty((at.size, values.shape[1]))
+    for i in range(values.shape[1]):
+        found[:, i] = np.interp(at, time, values[:, i])
+    return found
+
+
+def _slopes(values: Columns, width: int) -> Columns:
+    """Slopes per sample, with windows of `width` samples."""
+    n, before = len(values), width // 2
+    order = min(ORDER, width - 1)
+    at = np.arange(width, dtype=np.float64)
+    fit = np.linalg.pinv(np.vander(at - 0.5 * (width - 1), order + 1, increasing=True))  # values -> coefficients
+    powers = np.arange(1, order + 1)
+
+    def weights(where: float) -> Float[np.ndarray, " width"]:
+        return (powers * (where - 0.5 * (width - 1)) ** (powers - 1)) @ fit[1:]
+
+    slope = np.empty_like(values)
+    windows = np.lib.stride_tricks.sliding_window_view(values, width, axis=0)
+    slope[before : before + len(windows)] = windows @ weights(before)
+    for k in range(before):
+        slope[k] = weights(k) @ values[:width]
+    for k in range(before + len(windows), n):
+        slope[k] = weights(k - n + width) @ values[-width:]
+    return slope
+
+
+# ---- checks and words ----------------------------------------------------------------------------------------------
+
+
+def _check_plausible(arrays: dict[str, Any], chain: robot.Robot) -> None:
+    """Refuse what only another unit explains."""
+    speed = float(np.median(np.linalg.norm(arrays["center_of_mass_velocity"], axis=1)))
+    if speed > FASTEST * chain.length:
+        raise ValueError(
+            f"The robot of {chain.length:.3g} m must swim at most {FASTEST:g} lengths per second, got {speed:.3g} m/s; "
+            "is `length_unit` mm?"
+        )
+    for name in ("joint_angle", "joint_angle_ref"):
+        largest = float(np.max(np.abs(arrays.get(name, 0.0)), initial=0.0))
+        if largest > LARGEST_BEND:
+            raise ValueError(f"`{name}` must be between -pi and pi rad, got {largest:.4g} rad; is its `unit` deg?")
+
+
+def _status(log: Measured) -> str:
+    if not log.filled_columns:
+        return "Measured, without gaps."
+    n, columns = int(np.count_nonzero(log.lost)), sorted(set(log.filled_columns))
+    shown = ", ".join(columns[:4]) + (f" and {len(columns) - 4} more" if len(columns) > 4 else "")
+    return f"Measured; {n} of {log.time.size} samples had gaps in {shown}, filled by straight lines."
+
+
+# ---- tables that laticauda wrote -----------------------------------------------------------------------------------
+
+
+def _own_table(table: tables.Table, known: scenarios.Experiment) -> trial.Trial:
+    """The trial whose CSV file laticauda wrote: every number as it is, with the robot and gait of the map."""
+    plain = {name.split(" [")[0]: values for name, values in table.columns.items() if not isinstance(values, str)}
+    if "center_of_mass_x" not in plain:
+        raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")
+    try:
+        arrays = {name: tabular.series(plain, name) for name in dataset.PLAIN}
+        arrays["work"] = np.stack([plain[name] for name in dataset.WORK], axis=1)
+    except KeyError as error:
+        raise ValueError(f"The file has no column `{error.args[0]}`.") from error
+    arrays |= {name: one for name, one in plain.items() if name == dataset.ELECTRICAL or name.startswith(series.SIGNAL)}
+    return trial.Trial(**vars(series.log_of(arrays)), scenario=known, version=version("laticauda"))

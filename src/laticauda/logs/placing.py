@@ -18,6 +18,7 @@ from laticauda.trial.arrays import Samples
 
 Points = Float[np.ndarray, "n_samples 2"]
 Angles = Float[np.ndarray, "n_samples n_columns"]
+Places = dict[str, Float[np.ndarray, "n_samples ..."]]
 
 
 @dataclass
@@ -64,24 +65,15 @@ class Measured:
         return unit
 
 
-@dataclass
-class Place:
-    """Where the robot was, as far as it is known."""
-
-    center: Points
-    """Its center of mass [m]."""
-    heading: Samples | None = None
-    """Mean angle of its links [rad]."""
-    link_angle: Angles | None = None
-    """Angles of its links [rad]."""
-
-
-def place_of(log: Measured, chain: robot.Robot) -> Place:
-    """Where the robot was, by whichever section of the map says it.
+def place_of(log: Measured, chain: robot.Robot) -> Places:
+    """Where the robot was, as far as it is known, by whichever section of the map says it.
 
     Args:
         log: The log.
         chain: The planar robot.
+
+    Returns:
+        `center_of_mass`, `heading` and `link_angle`, as a trial has them.
 
     Raises:
         ValueError: If a column is missing, has a long gap, or the map does not fit the robot.
@@ -92,18 +84,18 @@ def place_of(log: Measured, chain: robot.Robot) -> Place:
     if given.body is not None:
         return _from_body(log, chain, given.body)
     assert given.center_of_mass is not None
-    position = _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit)
-    heading = None
+    found = {"center_of_mass": _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit)}
     if given.heading is not None:
         yaw = log.angle(given.heading.column, given.heading.unit)
-        heading = _direction(log, given.heading.column, np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1))
-    link_angle = None
-    if heading is not None and given.joint_angle is not None:
-        link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=heading)
-    return Place(position, heading, link_angle)
+        forward = np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1)
+        found["heading"] = _direction(log, given.heading.column, forward)
+    if given.heading is not None and given.joint_angle is not None:
+        joints = joints_of(log, "joint_angle", chain)
+        found["link_angle"] = kinematics.link_angles(joints, angle=found["heading"])
+    return found
 
 
-def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Place:
+def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Places:
     if body.link >= chain.n_links:
         raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
     if body.name is not None:
@@ -113,7 +105,7 @@ def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Place:
     angle = _direction(log, body.position[0], _forward(log, body)) + math.radians(body.angle_offset_deg)
     link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=angle, link=body.link)
     center = kinematics.center_of_mass(chain, position, link_angle, link=body.link, offset=body.offset)
-    return Place(center, kinematics.heading(link_angle), link_angle)
+    return {"center_of_mass": center, "heading": kinematics.heading(link_angle), "link_angle": link_angle}
 
 
 def _of_qtm(table: Table, body: Body) -> Body:
@@ -125,7 +117,7 @@ def _of_qtm(table: Table, body: Body) -> Body:
     return dataclasses.replace(body, name=None, position=position, yaw=f"{body.name} Yaw")
 
 
-def _from_ends(log: Measured, chain: robot.Robot) -> Place:
+def _from_ends(log: Measured, chain: robot.Robot) -> Places:
     ends = log.column_map.ends
     assert ends is not None
     if len(ends.markers) != chain.n_links + 1:
@@ -143,7 +135,8 @@ def _from_ends(log: Measured, chain: robot.Robot) -> Place:
     # Every marker says where the center of mass is; the middle of the links' middles has the least noise.
     middles = 0.5 * (np.stack(place[1:], axis=1) + np.stack(place[:-1], axis=1))
     centers = [kinematics.center_of_mass(chain, middles[:, i], link_angle, link=i) for i in range(chain.n_links)]
-    return Place(np.mean(centers, axis=0), kinematics.heading(link_angle), link_angle)
+    center = np.mean(centers, axis=0)
+    return {"center_of_mass": center, "heading": kinematics.heading(link_angle), "link_angle": link_angle}
 
 
 def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:

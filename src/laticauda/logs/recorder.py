@@ -1,4 +1,4 @@
-"""What a recording holds: messages of ROS 2, by the kind of what happened.
+"""Records what happens to an MCAP file that survives that its program is killed.
 
 Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
 refuse files of mixed encodings, so even what has no ROS type of its own travels as one: an event as the log message of
@@ -10,12 +10,16 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from itertools import zip_longest
-from typing import Any
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, Self
 
-from laticauda.errors import BadArgument
-from laticauda.logs import message_file, ros2
+from laticauda.errors import BadArgument, StorageFailed, finite, positive, whole
+from laticauda.extras import optional_import
+from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
@@ -24,14 +28,78 @@ WORLD = "world"
 """The frame of the world axes."""
 
 
-class Recorder(message_file.MessageFile):
-    """Records what happens to an MCAP file that survives a kill: see `MessageFile` for its arguments.
+def need_mcap() -> None:
+    """Refuse where the package is missing.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    optional_import("Reading and writing MCAP", "mcap", "logs")
+
+
+def moment(time: float) -> int:
+    """When something was recorded, as the file and ROS count time [ns].
+
+    Args:
+        time: Since the start of the run, or since 1970 [s].
+
+    Raises:
+        ValueError: If it is negative or not finite.
+    """
+    now = round(finite("time", time, "s") * 1e9)
+    if now < 0:
+        raise BadArgument("time", f"must be >= 0 s, got {time}")
+    return now
+
+
+class Recorder:
+    """Writes messages to an MCAP file while they happen; any thread may.
+
+    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
+    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
+    context manager: leaving it, also by an error, completes the file.
+
+    Args:
+        path: The file.
+        chunk_seconds: A chunk is complete after this much time of the messages [s].
+        chunk_bytes: And when it holds this much [bytes].
+        overwrite: Whether an older file of that name may be replaced.
+
+    Raises:
+        ValueError: If an argument is out of range.
+        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
+        MissingExtra: If the package `mcap` is not installed.
 
     Example:
         >>> with Recorder("/dev/null", overwrite=True) as recorder:
         ...     recorder.scalar("/power/electrical", 0.5, 92.0, unit="W")
         ...     recorder.event(0.5, "running", {"gait": "eel_like"})
     """
+
+    def __init__(
+        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
+    ) -> None:
+        need_mcap()
+        from mcap.writer import Writer
+
+        self._chunk_ns = moment(positive("chunk_seconds", chunk_seconds, "s"))
+        self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
+        self.path = Path(path)
+        """The file."""
+        try:
+            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
+        except OSError as error:
+            raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
+        # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
+        self._writer = Writer(self._file, chunk_size=1 << 40)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, tuple[int, str]] = {}
+        self._lock = threading.Lock()
+        self._open_since: int | None = None
+        self._open_bytes = 0
+        self._sequence = 0
+        self._is_open = True
+        self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
 
     def message(self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = "") -> None:
         """Record any message of a known type.
@@ -47,7 +115,7 @@ class Recorder(message_file.MessageFile):
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        self.add(topic, kind, unit, message_file.moment(time), ros2.encode(kind, content))
+        self._add(topic, kind, unit, moment(time), ros2.encode(kind, content))
 
     def joint_state(
         self,
@@ -148,13 +216,13 @@ class Recorder(message_file.MessageFile):
         """
         if len(data) > 8:
             raise BadArgument("data", f"must have at most 8 bytes, got {len(data)}")
-        now = message_file.moment(time)
+        now = moment(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
         seconds, rest = divmod(now, 1_000_000_000)
         body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data))
-        self.add(topic, "can_msgs/Frame", "", now, body)
+        self._add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
         """Record anything that JSON can hold, as a text (std_msgs/String).
@@ -184,13 +252,101 @@ class Recorder(message_file.MessageFile):
             text = "" if data is None else json.dumps(data)
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
-        stamp = ros2.stamp(message_file.nanoseconds(time))
+        stamp = ros2.stamp(moment(time))
         self.message("/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0))
         self.flush()
 
+    def metadata(self, name: str, content: Mapping[str, str]) -> None:
+        """Write texts that belong to the whole file; they are on disk at once.
+
+        Args:
+            name: What they are about.
+            content: The texts by name.
+        """
+        with self._lock:
+            self._guarded(lambda: self._writer.add_metadata(name, dict(content)))
+            self._guarded(self._writer.flush)
+
+    def flush(self) -> None:
+        """Complete the open chunk and hand it to the operating system."""
+        with self._lock:
+            self._end_chunk()
+
+    def close(self) -> None:
+        """Complete the file; a second time it does nothing."""
+        with self._lock:
+            if not self._is_open:
+                return
+            self._is_open = False
+            try:
+                self._guarded(self._writer.finish)
+            finally:
+                self._guarded(self._file.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def _add(self, topic: str, kind: str, unit: str, now: int, data: bytes) -> None:
+        """Write a message.
+
+        Args:
+            topic: Its messages are all of one type.
+            kind: The ROS type.
+            unit: Of its numbers; kept with the first message of the topic.
+            now: When it happened [ns].
+            data: In CDR.
+
+        Raises:
+            ValueError: If the topic has another type, or no name.
+            StorageFailed: If it cannot be written.
+        """
+        with self._lock:
+            channel = self._channel(topic, kind, unit)
+            if not self._is_open:
+                raise StorageFailed(f"Cannot write {self.path}: it is closed.")
+            if self._open_since is None:
+                self._open_since = now
+            self._sequence += 1
+            self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
+            self._open_bytes += len(data)
+            # Moments of several sources need not be in order: an older one does not end a chunk.
+            if self._open_bytes >= self._chunk_bytes or now - self._open_since >= self._chunk_ns:
+                self._end_chunk()
+
+    def _channel(self, topic: str, kind: str, unit: str) -> int:
+        found = self._channels.get(topic)
+        if found is not None:
+            if found[1] != kind:
+                raise BadArgument("topic", f"{topic} must keep its type {found[1]}, got {kind}")
+            return found[0]
+        if not topic:
+            raise BadArgument("topic", "must be a name such as /joint_states, got ''")
+        if kind not in self._schemas:
+            text = ros2.schema_text(kind).encode()
+            self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
+        # The profile asks for the quality of service, and may have it empty.
+        metadata = {"offered_qos_profiles": "", "unit": unit}
+        number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
+        self._channels[topic] = number, kind
+        return number
+
+    def _end_chunk(self) -> None:
+        self._guarded(self._writer.flush)
+        self._open_since, self._open_bytes = None, 0
+
+    def _guarded(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise StorageFailed(f"Cannot write {self.path}: {reason}; what came before is kept.") from error
+
 
 def _header(time: float, frame: str) -> tuple[Any, ...]:
-    return ros2.stamp(message_file.nanoseconds(time)), frame
+    return ros2.stamp(moment(time)), frame
 
 
 def _scalar_last(quaternion: Sequence[float]) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 from laticauda.errors import TrialFileError
-from laticauda.logs import message_file, ros2
+from laticauda.logs import recorder, ros2
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema
@@ -146,7 +146,7 @@ def open_recording(path: str | Path) -> Recording:
         TrialFileError: If there is no such file, or it is no MCAP file.
         MissingExtra: If the package `mcap` is not installed.
     """
-    message_file.need_mcap()
+    recorder.need_mcap()
     try:
         return Recording(Path(path))
     except OSError as error:

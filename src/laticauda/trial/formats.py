@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     import xarray
 
 _OURS = {
-    "nc": "laticauda.logs.array_files",
+    "nc": "laticauda.logs.tabular",
     "mcap": "laticauda.logs.mcap_trials",
     "parquet": "laticauda.logs.tabular",
-    "mat": "laticauda.logs.array_files",
+    "mat": "laticauda.logs.tabular",
     "csv": "laticauda.logs.tabular",
 }
 
