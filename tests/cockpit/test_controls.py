@@ -13,7 +13,7 @@ import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
-from laticauda.cockpit.maps import with_wave
+from laticauda.cockpit.board import with_wave
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.readouts import numbers_text
 from laticauda.cockpit.simulation import depth_of, path_of, route_of

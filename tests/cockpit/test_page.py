@@ -73,8 +73,7 @@ def cockpit():
 
 def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
-    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
-    from laticauda.cockpit.maps import AMPLITUDES, BOX, FREQUENCIES, gait_map_picture
+    from laticauda.cockpit.board import ABOVE, AMPLITUDES, BEHIND, BOX, FREQUENCIES, HEIGHT, WIDTH, gait_map_picture
     from laticauda.cockpit.scene import FIELD_OF_VIEW
 
     values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))

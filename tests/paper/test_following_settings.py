@@ -24,8 +24,9 @@ def test_the_groups_are_named_and_made_as_those_of_the_efficiency_study():
 
 
 def test_the_gains_are_the_papers():
-    assert (SETTINGS.look_ahead_distance, SETTINGS.gain) == (0.18, 0.4)
-    assert SETTINGS.max_offset == pytest.approx(math.radians(20))
+    assert (SETTINGS.following.look_ahead_distance, SETTINGS.following.gain) == (0.18, 0.4)
+    assert SETTINGS.following.max_offset == pytest.approx(math.radians(20))
+    assert SETTINGS.following.interval == 0.05
 
 
 def test_the_chosen_way_is_in_the_band_and_not_run_twice():
@@ -42,10 +43,7 @@ def test_the_chosen_way_is_in_the_band_and_not_run_twice():
     [
         ({"duration": 14.0}, "`duration` must be between 15 and 100000 s, got 14.0"),
         ({"distance": 0.0}, "`distance` must be > 0 m, got 0.0"),
-        ({"look_ahead_distance": 0.0}, "`look_ahead_distance` must be > 0 m, got 0.0"),
-        ({"gain": math.nan}, "`gain` must be a finite number, got nan"),
-        ({"max_offset": -0.1}, "`max_offset` must be > 0 rad, got -0.1"),
-        ({"control_interval": 0.0}, "`control_interval` must be > 0 s, got 0.0"),
+        ({"following": None}, "`following` must be"),
         ({"groups": ()}, "`groups` must hold at least one entry, got none"),
         ({"joint_laws": ()}, "`joint_laws` must hold at least one entry, got none"),
         (
@@ -57,3 +55,17 @@ def test_the_chosen_way_is_in_the_band_and_not_run_twice():
 def test_settings_that_make_no_sense_are_refused(change, message):
     with pytest.raises(ValueError, match=message):
         replace(SETTINGS, **change)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"look_ahead_distance": 0.0}, "`look_ahead_distance` must be > 0 m, got 0.0"),
+        ({"gain": math.nan}, "`gain` must be a finite number, got nan"),
+        ({"max_offset": -0.1}, "`max_offset` must be > 0 rad, got -0.1"),
+        ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
+    ],
+)
+def test_steering_that_makes_no_sense_is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        replace(SETTINGS.following, **change)

@@ -1,6 +1,5 @@
 """`laticauda follow`: one run along a path, its figures, its file and its picture."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
@@ -19,11 +18,10 @@ from laticauda.scenarios import Scenario
 
 
 @value
-class Route:
+class Route(control.Course):
     """Where to go, and by which law."""
 
     waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
-    smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
         "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
     )
@@ -31,15 +29,6 @@ class Route:
         "Observe the current and point upstream, with a model of the gait that is fitted to four trials in still water "
         "first; model-predictive always does",
         default=False,
-    )
-    circle: tuple[float, float, float, float] | None = quantity(
-        "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
-    )
-    path_depth: tuple[float, ...] = quantity(
-        "m",
-        "Depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
-        "none: depth is not steered. It needs pitch joints and --model spatial",
-        default=(),
     )
 
     @property
@@ -53,24 +42,9 @@ class Route:
         guidance: Any = "line_of_sight" if self.guidance == "model-predictive" else self.guidance.replace("-", "_")
         return control.Following(
             waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
-            smooth=self.smooth,
-            circle=self.circle,
-            path_depth=self.path_depth or None,
             guidance=guidance,
+            **{name: getattr(self, name) for name in control.Course.__dataclass_fields__},
         )
-
-
-@value
-class Plan:
-    """Model-predictive guidance."""
-
-    speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
-    power_limit: float | None = quantity("W", "Most that the gait may take, mean over its cycle", gt=0.0, default=None)
-    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Of the gait; none: its own", gt=0.0, default=None)
-    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
-    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", gt=0.0, default=1.62)
-    gain: float = quantity("", "Of its heading law", gt=0.0, default=0.25)
-    control_interval: float = quantity("s", "Time between two control instants", ge=0.2, default=0.2)
 
 
 @value
@@ -119,15 +93,15 @@ class FollowPlanned(Follow):
     For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
     """
 
-    plan: Plan = option("Model-predictive guidance", default=Plan())
+    speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
+    plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
 
     def steered(self, scenario: Scenario) -> Scenario:
         """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
-        gait, settings = scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
-        model = learned(scenario, self.plan.frequency_limits)
-        settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
-        settings["interval"] = settings.pop("control_interval")
-        motion = control.ModelPredictive(gait=gait, path=self.route.following.path, model=model, **settings)
+        gait, model = scenario.gait, learned(scenario, self.plan.frequency_limits)
+        speed = model.speed(gait.frequency, 0.0) if self.speed is None else self.speed
+        path, plan = self.route.following.path, vars(self.plan)
+        motion = control.ModelPredictive(gait=gait, path=path, model=model, speed=speed, **plan)
         return replace(scenario, motion=motion)
 
 

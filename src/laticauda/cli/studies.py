@@ -22,6 +22,7 @@ from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
 from laticauda.studies import SPEED_POWER, Front, Optimization, Samples, Sweep, best, count_failed, optimize, run_sweep
 from laticauda.studies.cluster import connected
+from laticauda.studies.optimization import Limits
 from laticauda.studies.sampling import Points
 
 N_BEST, N_SHOWN = 5, 8
@@ -124,9 +125,7 @@ class Optimize(Study):
     budget: int = quantity("", "How many points to try; a greater goes on where a smaller ended", ge=1, default=4000)
     population: int | None = quantity("", "In a generation; left out 100, for one objective 40", ge=1, default=None)
     seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
-    joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
-    least_velocity: float | None = quantity("m/s", "Least that will do; the cheapest just moves", gt=0.0, default=None)
-    beyond_actuators: bool = option("Count gaits that ask too much of actuators, or whose links overlap", default=False)
+    limits: Limits = option("What gaits have to keep to", default=Limits())
     output: Folder = option("The folder of results; what was stopped goes on there, if run again", default="optimum")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
@@ -150,9 +149,7 @@ class Optimize(Study):
             scenario=scenario,
             bounds=vary.ranges(words, parameters(scenario), vary.RANGE_FORM),
             objectives=SPEED_POWER if names == [BOTH] else [name.replace("-", "_") for name in names],
-            joint_rate_limit=self.joint_rate_limit,
-            least_velocity=self.least_velocity,
-            beyond_actuators=self.beyond_actuators,
+            **vars(self.limits),
         )
         warn_of_compiling(scenario.environment, scenario.model)
         how = {name: getattr(self, name) for name in ("budget", "population", "seed", "threads")}

@@ -7,10 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.interfaces import ORIENTATION
-from laticauda.kinematics import Posture, from_quaternion, module_poses, to_quaternion, turned_about_vertical
-from laticauda.robot import CaudalFin, Robot
+from laticauda.kinematics import from_quaternion, to_quaternion, turn
+from laticauda.pictures.camera import in_space
+from laticauda.robot import Robot
 from laticauda.series import Log
-from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, parts, plate, rods
+from laticauda.spatial import appearance
+from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, plate, rods
+from laticauda.spatial.bodies import AXES, bodies
 
 Color = tuple[int, int, int]
 
@@ -44,7 +47,7 @@ def shapes(robot: Robot) -> list[Shape]:
     found = [
         Shape(i, build(module), _color(material))
         for i, module in enumerate(robot.modules)
-        for material, build in parts(is_head=i == robot.n_links - 1).items()
+        for material, build in appearance.parts(is_head=i == robot.n_links - 1).items()
     ]
     fin = robot.caudal_fin
     for k, piece in enumerate(fin.pieces if fin is not None else ()):
@@ -62,27 +65,24 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
         sample: One sample of the plant's log, or of a trial.
         height: Of a robot in the plane [m].
     """
-    center, half = sample.center_of_mass, np.array([module.half_length for module in robot.modules])
-    bends = _fin_angles(robot.caudal_fin, sample)
-    if center.size == 3:
-        orientation = np.array([sample.signals[name] for name in ORIENTATION], dtype=float)
-        found = module_poses(robot, center, from_quaternion(*orientation.tolist()), sample.joint_angle)
-        middle, rotation = found.position, found.rotation
+    if sample.center_of_mass.size == 3:
+        root = from_quaternion(*(float(sample.signals[name]) for name in ORIENTATION))
     else:
-        own = np.array([bends[k] for k in robot.fin_joints])
-        flat = Posture(robot, center, sample.link_angle, fin_angle=own if own.size else None).link_centers
-        middle = np.column_stack((flat, np.full(len(flat), height)))
-        rotation = np.array([turned_about_vertical(float(angle)) for angle in sample.link_angle])
-    rear = middle - half[:, np.newaxis] * rotation[:, :, 0]
-    parts, turns = list(rear), list(rotation)
-    if robot.caudal_fin is not None:
-        at, turned = rear[0], rotation[0]
-        for piece, bend in zip(robot.caudal_fin.pieces, bends, strict=True):
-            turned = turned @ turned_about_vertical(-bend)
-            parts.append(at)
-            turns.append(turned)
-            at = at - (piece.end - piece.begin) * turned[:, 0]
-    return Poses(position=np.array(parts), orientation=np.array([to_quaternion(turn) for turn in turns]), middle=middle)
+        root = turn("yaw", float(sample.link_angle[0]))
+    pieces = robot.caudal_fin.pieces if robot.caudal_fin is not None else ()
+    bends = [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(pieces))]
+    parts, angles = bodies(robot), [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
+    places, turns = {"": np.zeros(3)}, {"": root}
+    for body, angle in zip(parts, angles, strict=True):
+        before = turns[body.parent]
+        places[body.name] = places[body.parent] + before @ body.position
+        turns[body.name] = before @ turn("pitch" if body.axis == AXES["pitch"] else "yaw", angle)
+    position, rotation = (np.array([found[body.name] for body in parts]) for found in (places, turns))
+    ahead, mass = rotation[:, :, 0], np.array([body.mass for body in parts])
+    center = mass @ (position + np.array([[body.center] for body in parts]) * ahead) / mass.sum()
+    position += in_space(sample.center_of_mass, height) - center
+    middle = position[: robot.n_links] + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]
+    return Poses(position=position, orientation=np.array([*map(to_quaternion, rotation)]), middle=middle)
 
 
 def _color(material: str) -> Color:
@@ -97,10 +97,3 @@ def _mesh(box: Box) -> Mesh:
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
     return Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))
-
-
-def _fin_angles(fin: CaudalFin | None, sample: Log) -> list[float]:
-    """The angle in front of every piece of the fin [rad]."""
-    if fin is None:
-        return []
-    return [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(fin.pieces))]

@@ -6,7 +6,7 @@ Knows no model and no hardware: the same controller steers the planar model and 
 from laticauda.control.averaged import AveragedModel as AveragedModel
 from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
 from laticauda.control.current import CurrentEstimate as CurrentEstimate, CurrentObserver as CurrentObserver
-from laticauda.control.following import Following as Following
+from laticauda.control.following import Course as Course, Following as Following
 from laticauda.control.frames import Path as Path, PathFrame as PathFrame
 from laticauda.control.guidance import Guidance as Guidance, HeadingController as HeadingController
 from laticauda.control.guidance import HeadingEstimate as HeadingEstimate, LineOfSight as LineOfSight
@@ -14,7 +14,8 @@ from laticauda.control.guidance import IntegralLineOfSight as IntegralLineOfSigh
 from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
 from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
 from laticauda.control.paths import StraightLine as StraightLine
-from laticauda.control.predictive import ModelPredictive as ModelPredictive, PredictiveState as PredictiveState
+from laticauda.control.predictive import ModelPredictive as ModelPredictive, PlanLimits as PlanLimits
+from laticauda.control.predictive import PredictiveState as PredictiveState
 from laticauda.control.spatial_following import SpatialPathFollowing as SpatialPathFollowing
 from laticauda.control.spatial_following import SpatialPathFollowingState as SpatialPathFollowingState
 from laticauda.packaging import lazy_exports

@@ -17,7 +17,23 @@ LEVEL = 1.0  # of a profile before its first and behind its last depth, to say t
 
 
 @value
-class Following:
+class Course:
+    """Where to go, apart from waypoints."""
+
+    smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
+    circle: tuple[float, float, float, float] | None = quantity(
+        "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
+    )
+    path_depth: tuple[float, ...] | None = quantity(
+        "m",
+        "Depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
+        "none: depth is not steered. It needs pitch joints and the spatial model",
+        default=None,
+    )
+
+
+@value
+class Following(Course):
     """Path following in numbers, as trial files have it; the defaults are the paper's for Mamba.
 
     The integral gain is where published integral guidance starts from. With a `path_depth` the robot is steered in
@@ -25,18 +41,6 @@ class Following:
     """
 
     waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
-    smooth: bool = option("a smooth curve through the waypoints instead of straight legs", default=False)
-    circle: tuple[float, float, float, float] | None = quantity(
-        "",
-        "a circle instead of waypoints: x and y of its middle and its radius in m, and turns, positive to the left",
-        default=None,
-    )
-    path_depth: tuple[float, ...] | None = quantity(
-        "m",
-        "depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
-        "None: depth is not steered",
-        default=None,
-    )
     guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
     look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
     integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)

@@ -167,7 +167,19 @@ class PredictiveState:
 
 
 @value
-class ModelPredictive(Controller[PredictiveState]):
+class PlanLimits:
+    """What a plan has to keep to, and what steers where there is none."""
+
+    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
+    power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
+    max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
+    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", default=1.62, gt=0.0)
+    gain: float = quantity("", "Of its heading law", default=0.25, gt=0.0)
+    interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
+
+
+@value
+class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     """A controller that plans offset and frequency with the averaged model, and so takes a current into account.
 
     The cost of a second is that of the distance from the path, of the course across it, of the speed along it and of
@@ -183,9 +195,6 @@ class ModelPredictive(Controller[PredictiveState]):
     path: Path[Any] = option("Where to go")
     model: AveragedModel = option("How this gait moves this robot: `fit_averaged`")
     speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
-    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
-    power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
-    max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
     offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)
     frequency_rate: float = quantity("rad/s^2", "Largest change of the frequency", default=0.2, gt=0.0)
     cross_track_tolerance: float = quantity(
@@ -197,9 +206,6 @@ class ModelPredictive(Controller[PredictiveState]):
     horizon: int = quantity("", "How many steps a plan looks ahead, behind the first of one interval", default=15, ge=1)
     stage: float = quantity("s", "How long each of them is", default=1.0, gt=0.0)
     iterations: int = quantity("", "Most that the solver may take for a plan", default=40, ge=1)
-    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", default=1.62, gt=0.0)
-    gain: float = quantity("", "Of its heading law", default=0.25, gt=0.0)
-    interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
 
     def __post_init__(self) -> None:
         """Check every field once."""

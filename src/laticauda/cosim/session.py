@@ -6,10 +6,10 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda import codec, packaging, scenarios, series
+from laticauda import codec, packaging, scenarios, series, simulate
 from laticauda.cosim import messages
 from laticauda.cosim.messages import Message
-from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
+from laticauda.cosim.worlds import World, changed, check_work, new_world, stepped
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.robot import Current, Robot, Water
 
@@ -91,7 +91,9 @@ class Session:
         for name in names:
             one_of("series", name, tuple(series.SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
-        trial = whole_run(messages.read_scenario(message, self._own_robots, duration))
+        scenario = messages.read_scenario(message, self._own_robots, duration)
+        check_work(simulate.plant(scenario), scenario.duration, scenario.sample_interval)
+        trial = simulate.swim(scenario)
         found: dict[str, Any] = {"figures": trial.summary()}
         if names:
             found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}

@@ -14,7 +14,7 @@ import laticauda as lc
 from laticauda.cosim.messages import Message, commanded
 from laticauda.errors import BadArgument, one_of, positive, within
 from laticauda.series import Log
-from laticauda.simulate import plant, swim
+from laticauda.simulate import plant
 
 MOST_SAMPLES = 100_000  # of one request, and of a log: about 50 MB for nine links
 MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
@@ -145,20 +145,6 @@ def stepped(world: World, duration: float) -> World:
         return replace(world, broken=failure)
     world.log.add(log.at(slice(1, None)))
     return replace(world, state=state)
-
-
-def whole_run(scenario: lc.Scenario) -> lc.Trial:
-    """A run from start to end under one command, in a world of its own.
-
-    Args:
-        scenario: What swims, and for how long.
-
-    Raises:
-        ValueError: If something is out of its range.
-    """
-    body = plant(scenario)
-    check_work(body, scenario.duration, scenario.sample_interval)
-    return swim(scenario)
 
 
 def check_work(plant: lc.Plant[Any], duration: float, sample_interval: float) -> None:

@@ -80,15 +80,9 @@ class LambOseen(Flow):
 
 
 @value
-class _Shed(Flow):
-    """One vortex of a street: it leaves the cylinder, goes downstream, fades away, and begins anew."""
+class _Shed(LambOseen):
+    """One vortex of a street: it leaves the cylinder, goes downstream, fades away, and begins anew; its core stays."""
 
-    x: float = quantity("m", "Where it leaves")
-    y: float = quantity("m", "The same")
-    velocity_x: float = quantity("m/s", "Of its axis")
-    velocity_y: float = quantity("m/s", "The same")
-    circulation: float = quantity("m^2/s", "Gamma")
-    core: float = quantity("m", "r_c", gt=0.0)
     life: float = quantity("s", "From one begin to the next", gt=0.0)
     born: float = quantity("s", "When it leaves for the first time")
 

@@ -12,8 +12,8 @@ from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress
 
-_ROUNDS = 25
-_CLOSE = 1e-3
+_CLOSE = 1e-3  # share of its distance to which an end is found
+_FAR = 1e3  # sizes, beyond which no end is looked for, and standard deviations
 _FIRST = 0.5  # a first step on a direction without curvature, in sizes
 
 
@@ -54,43 +54,29 @@ def profile(found: Fit, name: str) -> Profile:
 
 
 def _end(found: Fit, k: int, sign: float) -> float | None:
-    """One end of the interval."""
+    """One end of the interval: where the root of what the sum of squares has grown by is the quantile."""
+    optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
     x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
     quantile = found.method.quantile(found.degrees_of_freedom) * float(found.widening[k])
-    free = np.array([j for j in range(x.size) if j != k], dtype=int)
-    deviation = math.sqrt(found.covariance[k, k])
-    most = abs(unknown.ends[sign > 0.0] - x[k])
-    step = quantile * deviation if math.isfinite(deviation) and deviation > 0.0 else _FIRST * unknown.size
+    free, at = np.array([j for j in range(x.size) if j != k], dtype=int), x
     least = _cost(found, x)
-    inside, outside, at = 0.0, math.inf, x
-    for _ in range(_ROUNDS):
-        step = min(step, most)
-        at = at.copy()
-        at[k] = x[k] + sign * step
+
+    def missing(step: float) -> float:
+        nonlocal at
+        at = np.where(np.arange(x.size) == k, x + sign * step, at)
         if free.size:
             at = minimize(found.problem, at, loss=found.method.loss, factor=factor, free=free).end
         cost = _cost(found, at)
-        height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
-        if abs(height - quantile) <= _CLOSE * quantile:
-            return unknown.value(x[k] + sign * step)
-        if height < quantile:
-            if step >= most:
-                return None
-            inside = step
-        else:
-            outside = step
-        step = _next(step, height, quantile, inside, outside)
-        if step > 1e3 * unknown.size:
+        return (min(math.sqrt(max(cost - least, 0.0)), _FAR) if math.isfinite(cost) else _FAR) - quantile
+
+    deviation, most = math.sqrt(found.covariance[k, k]), abs(unknown.ends[sign > 0.0] - x[k])
+    step = quantile * deviation if math.isfinite(deviation) and deviation > 0.0 else _FIRST * unknown.size
+    limit = min(most, _FAR * unknown.size)
+    while missing(step := min(step, limit)) < 0.0:
+        if step >= limit:
             return None
-    return unknown.value(x[k] + sign * step)
-
-
-def _next(step: float, height: float, quantile: float, inside: float, outside: float) -> float:
-    """The next step: as if the height grew in proportion, but between what is known to be inside and outside."""
-    guess = step * min(quantile / height, 3.0) if 0.0 < height < math.inf else 2.0 * step if height == 0.0 else 0.0
-    if inside < guess < outside:
-        return guess
-    return 0.5 * (inside + outside) if math.isfinite(outside) else 2.0 * step
+        step *= 2.0
+    return unknown.value(x[k] + sign * optimize.brentq(missing, 0.0, step, rtol=_CLOSE, xtol=_CLOSE * step))
 
 
 def _cost(found: Fit, x: np.ndarray) -> float:

@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda import codec, gaits
+from laticauda.control import Following
 from laticauda.errors import BadArgument
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients
@@ -133,10 +134,7 @@ class PathFollowingSettings:
 
     duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
-    look_ahead_distance: float = quantity("m", "Delta", gt=0.0)
-    gain: float = quantity("", "k", gt=0.0)
-    max_offset: float = quantity("rad", "Of the joints to either side", gt=0.0)
-    control_interval: float = quantity("s", "Between two control instants", gt=0.0)
+    following: Following = option("How every run is steered along the x axis")
     coefficients: Coefficients = option("The water of every gait")
     accepted_error: float = quantity("m", "What the mean over the gait cycle shall stay within at the end", gt=0.0)
     joint_laws: tuple[str, ...] = option("Of the band: how the joints follow the gait")
@@ -168,14 +166,7 @@ class PathFollowingSettings:
             gait: What swims.
             heading_estimate: Which heading is used: raw or cycle_mean.
         """
-        return lc.PathFollowing(
-            gait=gait,
-            path=lc.StraightLine(),
-            guidance=lc.LineOfSight(look_ahead_distance=self.look_ahead_distance),
-            heading=lc.HeadingController(gain=self.gain, max_offset=self.max_offset),
-            heading_estimate=heading_estimate,
-            interval=self.control_interval,
-        )
+        return replace(self.following, heading_estimate=heading_estimate).controller(gait)
 
     def band(self, joints: str, offset_bandwidth: float) -> tuple[tuple[str, float], ...]:
         """Every way to run a case, joint law and bandwidth [rad/s], with the chosen one among them.

@@ -32,7 +32,16 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
 
 
 @value
-class Optimization:
+class Limits:
+    """What a point has to keep to, besides the joints' limits, to be feasible."""
+
+    joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
+    least_velocity: float | None = quantity("m/s", "Least that will do; the cheapest just moves", gt=0.0, default=None)
+    beyond_actuators: bool = option("Count gaits that ask too much of actuators, or whose links overlap", default=False)
+
+
+@value
+class Optimization(Limits):
     """A scenario, the numbers of it that may change, and what is to be great or small.
 
     A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run takes
@@ -58,20 +67,6 @@ class Optimization:
         "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
     )
     objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
-    joint_rate_limit: float | None = quantity(
-        "rad/s",
-        "Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none",
-        gt=0.0,
-        default=None,
-    )
-    least_velocity: float | None = quantity(
-        "m/s",
-        "Least `forward_velocity` that will do: without one the cheapest gait hardly moves; None for none",
-        gt=0.0,
-        default=None,
-    )
-
-    beyond_actuators: bool = option("Count points of too weak or slow actuators, or overlapping links", default=False)
 
     def __post_init__(self) -> None:
         """Check what goes together."""
@@ -89,7 +84,7 @@ class Optimization:
             **trials.definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
-            **{name: getattr(self, name) for name in ("joint_rate_limit", "least_velocity", "beyond_actuators")},
+            **{name: getattr(self, name) for name in Limits.__dataclass_fields__},
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:

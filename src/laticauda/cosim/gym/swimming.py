@@ -52,6 +52,11 @@ class Range:
         return np.floor(found) if self.is_whole else found
 
 
+def ranges(**ends: tuple[float, float]) -> tuple[Range, ...]:
+    """Quantities that go from one value to another, by name [SI]."""
+    return tuple(Range(name=name, low=low, high=high) for name, (low, high) in ends.items())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Step:
     """What happened in one interval; at the start of an episode both motions are the same."""

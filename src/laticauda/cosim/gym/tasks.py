@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes
+from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes, ranges
 from laticauda.errors import BadArgument, positive
 from laticauda.quantities import quantities_of, quantity, value
 
@@ -60,17 +60,14 @@ class Steered(Swimming):
     @property
     def actions(self) -> tuple[Range, ...]:
         """The offset."""
-        return (Range(name="offset", low=-self.max_offset, high=self.max_offset),)
+        return ranges(offset=(-self.max_offset, self.max_offset))
 
     @property
     def draws(self) -> tuple[Range, ...]:
         """The current, or what there is to be drawn of the water's flow."""
         if self.flow is not None:
             return self.flow_draws
-        return (
-            Range(name="current_speed", low=0.0, high=self.max_current),
-            Range(name="current_direction", low=-math.pi, high=math.pi),
-        )
+        return ranges(current_speed=(0.0, self.max_current), current_direction=(-math.pi, math.pi))
 
     @property
     def sights(self) -> tuple[Sight, ...]:
@@ -96,11 +93,8 @@ class PathFollowing(Steered):
     @property
     def draws(self) -> tuple[Range, ...]:
         """Where an episode begins, in which water."""
-        return (
-            Range(name="y", low=-self.max_cross_track_error, high=self.max_cross_track_error),
-            Range(name="heading", low=-self.max_heading, high=self.max_heading),
-            *super().draws,
-        )
+        y, heading = self.max_cross_track_error, self.max_heading
+        return ranges(y=(-y, y), heading=(-heading, heading)) + super().draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:
@@ -158,16 +152,12 @@ class Efficiency(Swimming):
     @property
     def actions(self) -> tuple[Range, ...]:
         """Amplitude, frequency, phase shift."""
-        return (
-            Range(name="amplitude", low=self.amplitudes[0], high=self.amplitudes[1]),
-            Range(name="frequency", low=self.frequencies[0], high=self.frequencies[1]),
-            Range(name="phase_shift", low=self.phase_shifts[0], high=self.phase_shifts[1]),
-        )
+        return ranges(amplitude=self.amplitudes, frequency=self.frequencies, phase_shift=self.phase_shifts)
 
     @property
     def draws(self) -> tuple[Range, ...]:
         """The speed asked for."""
-        return (Range(name="speed_ref", low=self.speeds[0], high=self.speeds[1]), *self.flow_draws)
+        return ranges(speed_ref=self.speeds) + self.flow_draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:
@@ -219,17 +209,13 @@ class StationKeeping(Steered):
     @property
     def actions(self) -> tuple[Range, ...]:
         """Offset and frequency."""
-        return (*super().actions, Range(name="frequency", low=self.frequencies[0], high=self.frequencies[1]))
+        return super().actions + ranges(frequency=self.frequencies)
 
     @property
     def draws(self) -> tuple[Range, ...]:
         """Where an episode begins, in which water."""
-        return (
-            Range(name="x", low=-self.max_distance, high=self.max_distance),
-            Range(name="y", low=-self.max_distance, high=self.max_distance),
-            Range(name="heading", low=-math.pi, high=math.pi),
-            *super().draws,
-        )
+        place = -self.max_distance, self.max_distance
+        return ranges(x=place, y=place, heading=(-math.pi, math.pi)) + super().draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:

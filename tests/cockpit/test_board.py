@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cockpit.maps import (
+from laticauda.cockpit.board import (
     AMPLITUDES,
     BOX,
     DURATION,
