@@ -7,8 +7,11 @@ takes the functions below. What the kernels put in their place gives the same nu
 """
 
 from typing import Any, cast
+from weakref import WeakValueDictionary
 
 import numpy as np
+
+_tables: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
 
 def where(condition: Any, a: float, b: float) -> float:
@@ -37,3 +40,33 @@ def magnitude(x: float) -> float:
         |x| in the unit of x; its real part is never negative.
     """
     return where(x.real >= 0.0, x, -x)
+
+
+def table_address(table: np.ndarray) -> float:
+    """Where a table lies, for `table_row`: a number of a law, good in this process while somebody holds the table.
+
+    Args:
+        table: Floats of 64 bits, one row of four after the other, shape (n, 4).
+    """
+    _tables[table.ctypes.data] = table
+    return float(table.ctypes.data)  # addresses have 48 bits, floats 53
+
+
+def table_row(address: float, index: Any, further: float) -> Any:
+    """A row of a table, its four numbers; arrays of indices go element by element. It does not vary with the index.
+
+    Args:
+        address: Of the table, as `table_address` gives it, the same for all; its real part where it may be complex.
+        index: Of a row, a whole number as a float; kernels do not check whether there is such a row.
+        further: How many rows behind that; the same for all that run side by side, see `first_lane`.
+    """
+    return tuple(np.moveaxis(_tables[int(address)][np.asarray(index + further, dtype=int)], -1, 0))
+
+
+def first_lane(x: float) -> float:
+    """A number that is the same in all lanes, as one number.
+
+    Args:
+        x: A number of a law.
+    """
+    return x

@@ -24,6 +24,7 @@ from laticauda import scalars
 from laticauda.compiling import lanes
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import INLINED, OPTIONS
+from laticauda.errors import BadArgument
 from laticauda.files import locked
 
 
@@ -59,6 +60,8 @@ class Target:
     """Of laws, see `scalars.where`."""
     magnitude: Any
     """Of laws, see `scalars.magnitude`."""
+    table_row: Any = None
+    """Of laws, see `scalars.table_row`; None: there is none."""
     first_lane: Any
     """Of numbers that are the same in all lanes."""
     instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
@@ -96,8 +99,11 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def _compiled_inner(function: Callable[..., Any]) -> Any:
-    if function is scalars.where or function is scalars.magnitude:
-        return getattr(_target.get(), function.__name__)
+    if function in (scalars.where, scalars.magnitude, scalars.table_row, scalars.first_lane):
+        found = getattr(_target.get(), function.__name__)
+        if found is None:
+            raise BadArgument("current", "must not be a gridded flow: a GPU or an FMU reads no tables; got one")
+        return found
     return compiled(function)
 
 
@@ -186,6 +192,7 @@ PROCESSOR = Target(
     in_lanes=_all_or_each,
     where=cast(Any, lanes).where,
     magnitude=cast(Any, lanes).magnitude,
+    table_row=cast(Any, lanes).table_row,
     first_lane=cast(Any, lanes).first_lane,
 )
 _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)

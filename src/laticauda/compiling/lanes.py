@@ -258,6 +258,45 @@ def first_lane(typingctx, x):
 
 
 @intrinsic
+def table_row(typingctx, address, index, further):
+    """The four numbers of a row of a table at an address, in each of eight lanes its own, or of one number."""
+    kind = _lanes_among((address, index)) or types.float64
+    row = ir.VectorType(ir.DoubleType(), 4)
+
+    def codegen(context, builder, sig, args):
+        start, count = (context.cast(builder, v, t, kind) for v, t in zip(args[:2], sig.args[:2], strict=True))
+        beyond = context.cast(builder, args[2], sig.args[2], types.int64)
+        size, word = context.cast(builder, ir.Constant(ir.DoubleType(), 32.0), types.float64, kind), ir.IntType(64)
+        place = builder.fadd(start, builder.fmul(count, size))
+        place = builder.fptosi(place, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
+        rows = []
+        for lane in range(getattr(kind, "width", 1)):  # gathers of registers are slower than loads of rows
+            at = builder.inttoptr(_picked_lane(context, builder, kind, place, lane), row.as_pointer())
+            rows.append(builder.load(builder.gep(at, [beyond]), align=8))
+            rows[-1].set_metadata("invariant.load", builder.module.add_metadata([]))
+        if not isinstance(kind, Lanes):
+            found = [builder.extract_element(rows[0], ir.Constant(ir.IntType(32), k)) for k in range(4)]
+        else:
+            found = _columns(builder, rows)
+        return context.make_tuple(builder, sig.return_type, found)
+
+    return types.UniTuple(kind, 4)(address, index, further), codegen
+
+
+def _columns(builder, rows):
+    """Rows of four numbers, one for each of eight lanes, as four vectors of lanes."""
+
+    def picked(a, b, *order):
+        return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order))
+
+    a, b, c, d = (picked(rows[i], rows[i + 4], *range(8)) for i in range(4))
+    even, odd = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
+    first, second = (0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15)
+    pairs = [(picked(a, b, *half), picked(c, d, *half)) for half in (even, odd)]
+    return [picked(*pair, *half) for half in (first, second) for pair in pairs]
+
+
+@intrinsic
 def bit(typingctx, shifted, position):
     """Whether a bit of the whole number in the last bits of a float is set (see `functions.SHIFT`)."""
 

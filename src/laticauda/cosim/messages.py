@@ -195,7 +195,7 @@ def _given(message: Message, names: Sequence[str]) -> dict[str, Any]:
 def _held(said: Message, *names: str) -> dict[str, Any]:
     """These fields, as far as they are said, checked."""
     mine = {name: said[name] for name in names if name in said}
-    if '"file":' in json.dumps(mine.get("current"), default=str):
+    if '"source":' in json.dumps(mine.get("current"), default=str):
         raise BadArgument("current", "must not name a file: the server reads none for its clients")
     if isinstance(name := mine.get("current"), str):
         mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))

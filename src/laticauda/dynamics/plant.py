@@ -170,9 +170,10 @@ class Plant(ABC, Generic[ModelType]):
 
     def what_went_wrong(self, time: float) -> str:
         """The sentence that a run ends with that diverged at `time` [s]."""
+        limits = getattr(getattr(self.environment, "flow", None), "limits", "")
         return (
             f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
-            f"beyond all bounds); try {self.joints.remedy}."
+            f"beyond all bounds); try {self.joints.remedy}{limits and f', unless it left its water: {limits}'}."
         )
 
     def pack(self, state: PlantState) -> dict[str, np.ndarray]:

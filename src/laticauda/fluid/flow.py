@@ -30,6 +30,7 @@ FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices
     "waves": "laticauda.fluid.waves",
     "sea": "laticauda.fluid.waves",
     "turbulence": "laticauda.fluid.turbulence",
+    "gridded": "laticauda.fluid.gridded",
 }
 """Where the flows are that come with the package; they are imported when one is named."""
 
@@ -201,6 +202,11 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
             check(part.moving, part.numbers, None, (0.1, 0.2, -0.3, 0.4), len(Motion._fields), "those of a `Motion`")
 
     @property
+    def limits(self) -> str:
+        """For what places and times alone it is known, in words; "": for all."""
+        return " and ".join(filter(None, (flow.limits for flow in getattr(self, "flows", ()))))
+
+    @property
     def words(self) -> str:
         """What it is, for people: its name and its numbers that are not 0, with their units, angles in degrees."""
         parts = [f"{name.replace('_', ' ')} {one}" for name, one in told(self).items()]
@@ -267,7 +273,7 @@ class Rows(NamedTuple):
     kinds: tuple[Formula, ...] = ()
     """The formulas of its parts, once each."""
     parts: tuple[Any, ...] = ()
-    """What tells these apart: class, and function if it has one."""
+    """What tells these apart: class, function and shape of what they read, if they have such."""
     counts: tuple[int, ...] = ()
     """How many parts of each kind there are."""
     numbers: np.ndarray = np.zeros(0)
@@ -284,7 +290,8 @@ def rows_of(flow: Flow, height: float | None = None) -> Rows:
     kinds: dict[Any, list[Flow]] = {}
     for part in flow.parts:
         part = part if height is None else part.at_height(height)
-        kinds.setdefault((type(part), getattr(part, "function", None)), []).append(part)
+        own = (getattr(part, name, None) for name in ("function", "shape"))
+        kinds.setdefault((type(part), *own), []).append(part)
     numbers = [one for parts in kinds.values() for one in (len(parts), *chain(*(part.numbers for part in parts)))]
     formulas = tuple(parts[0].moving for parts in kinds.values())
     return Rows(formulas, (*kinds,), tuple(map(len, kinds.values())), np.array(numbers, dtype=float))

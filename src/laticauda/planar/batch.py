@@ -153,7 +153,7 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
             law = type(plant.law), getattr(plant.law, "function", None), type(plant.joints), flow.parts, flow.counts
             if law not in of_law:
                 own = plant.joints.own
-                moving = [digest_of(formula) for formula in flow.kinds]
+                moving = [digest_of(formula) for formula in flow.kinds], [part[2] for part in flow.parts]
                 of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
             of_plant[id(plant)] = _kind(plant, interval, of_law[law])
         recorded = run.command.gait.recorded  # lanes share its times, not its angles

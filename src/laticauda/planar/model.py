@@ -1,7 +1,7 @@
 """The closed-form planar model as a `Plant`."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import ModuleType
 from typing import Any, ClassVar
@@ -78,6 +78,10 @@ class PlanarPlant(Plant[Planar]):
         """Reduce the robot to the plane, and fill in what the settings leave open."""
         object.__setattr__(self, "robot", self.robot.planar())
         super().__post_init__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is worked out from the fields: rows may hold addresses, which are good in one process only."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def coefficients(self) -> Coefficients:

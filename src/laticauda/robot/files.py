@@ -147,7 +147,7 @@ def _complete(
     if base is not None:
         table = {**_inherited(base, shown, path, "current" if is_flow else word, parents), **table}
     if is_flow:
-        return Flow, {**table, "kind": word}
+        return Flow, current_of({**table, "kind": word}, None if path is None else path.parent)
     if word == "water" and "current" in table:
         table["current"] = current_of(table["current"], None if path is None else path.parent)
     return KINDS[word], table
@@ -262,12 +262,19 @@ def current_of(given: Any, folder: Path | None = None) -> Any:
     """What may stand for a current: the name of a preset or a path as its flow; anything else as it is.
 
     Args:
-        given: As a file or a caller says it; the name of a flow alone is that with its defaults.
+        given: As a file or a caller says it; the name of a flow alone is that with its defaults. In a table, the flows
+            of a sum may be names, too, and a source is a path.
         folder: Where relative paths start; None for the working directory.
 
     Raises:
         RobotFileError: See `load_current`.
     """
+    if isinstance(given, list):
+        return [current_of(one, folder) for one in cast("list[Any]", given)]
+    if isinstance(given, dict):
+        table = cast("Table", given)
+        flows, source = current_of(table.get("flows"), folder), str((folder or Path()) / str(table.get("source")))
+        return {key: {"flows": flows, "source": source}.get(key, one) for key, one in table.items()}
     is_name = isinstance(given, str) and (given in current_names() or given not in Flow.names())
     return from_toml(find(given, "current", folder), Flow) if is_name else given
 

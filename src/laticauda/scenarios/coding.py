@@ -12,6 +12,7 @@ from typing import Any, cast
 from laticauda import extensions, files, gaits, robot
 from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped, take_kind
 from laticauda.errors import RobotFileError
+from laticauda.fluid.grids import Grid
 from laticauda.interfaces import Controller
 from laticauda.quantities import hints_of
 from laticauda.scenarios.scenario import Experiment, Scenario
@@ -146,11 +147,11 @@ def _without_functions(table: Mapping[str, Any], at: str) -> Table:
     for name, value in table.items():
         if isinstance(value, Mapping):
             found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
-        elif callable(value):
-            called = getattr(value, "__name__", type(value).__name__)
-            text = f"`{at}{name}` is a function, `{called}`, which cannot be stored, nor the run done again."
-            warnings.warn(f"{text} A law that is a class can.", stacklevel=2)
-            return {"kind": f"function {called}"}
+        elif callable(value) or isinstance(value, Grid):
+            called = f"function {getattr(value, '__name__', value)}" if callable(value) else "Dataset in memory"
+            text = f"`{at}{name}` is a {called}, which cannot be stored, nor the run done again."
+            warnings.warn(f"{text} A law that is a class can, and a file.", stacklevel=2)
+            return {"kind": called}
         elif value is not None:
             found[name] = value
     return found

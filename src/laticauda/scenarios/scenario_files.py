@@ -80,6 +80,8 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
     if len(places) > 1:
         raise BadKey(places[1], f"must not be given beside `{places[0]}`")
     where = {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
+    if where is not None and "current" in where:
+        where["current"] = robot.current_of(where["current"], folder)
     table.setdefault("environment", chosen.environment if where is None else where)
     for name in NAMES[1:]:
         table.pop(name, None)

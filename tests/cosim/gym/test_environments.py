@@ -15,6 +15,8 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
 from laticauda.cosim.gym.swimming import Range
+from laticauda.fluid.gridded import Gridded
+from laticauda.fluid.grids import to_dataset
 from laticauda.quantities import value
 from laticauda.simulate.numbers import changed
 
@@ -352,6 +354,22 @@ def test_each_seed_is_another_flow_in_lanes_as_in_single_environments_and_all_sw
         trial = lc.swim(replace(changed(task.scenario, numbers), start=start))
         here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
         assert here == pytest.approx(trial.center_of_mass[-1], abs=1e-12)
+
+
+def test_in_a_flow_on_a_grid_whose_start_is_drawn_lanes_swim_as_swim_does():
+    axis = np.linspace(-6.0, 6.0, 13)
+    lake = Gridded(source=to_dataset(GUSTS["current"], time=range(20), x=axis, y=axis))
+    envs = SwimmingVectorEnv(2, **GUSTS | {"current": lake}, currents={"start": (0.0, 5.0)})
+    envs.reset(seed=5)
+    for _ in range(5):
+        envs.step(np.zeros((2, 1)))
+    drawn = envs.episodes.drawn
+    assert np.ptp(drawn["water.current.start"]) > 0.1
+    for lane in range(2):
+        own = changed(envs.task.scenario, {"water.current.start": drawn["water.current.start"][lane]})
+        start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
+        here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
+        assert here == pytest.approx(lc.swim(replace(own, start=start)).center_of_mass[-1], abs=1e-12)
 
 
 def test_a_flow_is_drawn_by_its_seed_and_not_seen_and_can_be_said():

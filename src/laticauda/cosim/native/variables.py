@@ -178,7 +178,7 @@ def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
     """Of water that moves as one its velocity; of a flow that is its one part its numbers, which others have inside."""
     flow, kinds = water.flow, plant.flow
     if flow is not None:
-        if (kinds.parts, kinds.counts) == (((type(flow), None),), (1,)):
+        if (kinds.parts, kinds.counts) == (((type(flow), None, None),), (1,)):
             yield from _law("current", flow, plant.layout.template.size - len(flow.numbers))
         return
     for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
