@@ -27,6 +27,7 @@ Kind = TypeVar("Kind", bound=type[Any])
 Check = Callable[[str, Any], Any]
 
 _COUNTS = {2: "two", 3: "three"}
+_WORDS = {str: "text"}
 DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 """What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
 
@@ -334,8 +335,9 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
     kinds = get_args(hint)
     tuples, others = [one for one in kinds if get_origin(one) is tuple], [one for one in kinds if isinstance(one, type)]
     if tuples and len(tuples) + len(others) == len(kinds):  # two numbers or three, say, or an object in their place
-        item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples)
-        things = " or a ".join([_things(item, counts, declared), *(one.__name__ for one in others)])
+        item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples if ... not in get_args(one))
+        words = (_WORDS.get(one, one.__name__) for one in others if one is not type(None))
+        things = " or a ".join([_things(item, counts, declared), *words])
         check = functools.partial(_several, _check_of(item, declared), things, counts)
         return lambda name, given: given if isinstance(given, (*others,)) else check(name, given)
     return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
@@ -374,7 +376,8 @@ def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> st
         return f"{amount} numbers{f' in {declared.unit}' if declared.unit else ''}"
     if declared is not None:
         return f"a list of {_things(get_args(kind)[0], (len(get_args(kind)),), declared)}"
-    return "a list of texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
+    amount = f"{' or '.join(map(str, counts))} " if counts else ""
+    return f"a list of {amount}texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
 
 
 def _with_fields(kind: type) -> str:

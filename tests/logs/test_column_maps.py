@@ -76,7 +76,7 @@ def test_files_are_found_beside_the_map(tmp_path):
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE.replace('["x", "y"]', '"x"'),
-            "key `center_of_mass.position`: must be a list of 2 or 3 names of columns, got 'x'",
+            "key `center_of_mass.position`: must be a list of 2 or 3 texts, got 'x'",
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + BODY.replace("phi {}", "phi"),

@@ -32,7 +32,7 @@ from typing import Any, Literal, TypeAlias
 
 from laticauda import codec, files, gaits
 from laticauda.errors import BadArgument, TrialFileError, finite, one_of, shown
-from laticauda.quantities import Check, option, quantity, value
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import scenario_files
 
@@ -48,26 +48,13 @@ STRAIGHT = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
 LengthUnit: TypeAlias = Literal["m", "cm", "mm"] | None
 AngleUnit: TypeAlias = Literal["rad", "deg"] | None
+Axes: TypeAlias = tuple[str, str] | tuple[str, str, str]
+Matrix: TypeAlias = tuple[str, str, str, str, str, str, str, str, str]
 Direction: TypeAlias = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 _LENGTH_UNIT = "Their unit; None: the file's own if it states one, else m"
 _ANGLE_UNIT = "Its unit; None: the file's own if it states one, else rad"
 _PLACE = "Names of the columns of its place: x and y, or x, y and z"
-
-
-def _names(*sizes: int) -> Check:
-    """The check of a list of names of columns; of one of these lengths, where there are any."""
-    count = f"{' or '.join(map(str, sizes))} " if sizes else ""
-
-    def check(name: str, given: Any) -> tuple[str, ...] | None:
-        if given is None:
-            return None
-        is_list = type(given) in (list, tuple)
-        if not is_list or not all(isinstance(one, str) for one in given) or (sizes and len(given) not in sizes):
-            raise BadArgument(name, f"must be a list of {count}names of columns, got {shown(given)}")
-        return tuple(given)
-
-    return check
 
 
 @value
@@ -103,7 +90,7 @@ class Frame:
 class Position:
     """A place whose columns stand for the center of mass itself, as the mean of many markers does."""
 
-    position: tuple[str, ...] = option(_PLACE, check=_names(2, 3))
+    position: Axes = option(_PLACE)
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
 
@@ -120,13 +107,13 @@ class Body:
     """One link that motion capture followed; with the joint angles it gives the whole robot."""
 
     name: str | None = option("Of a rigid body in a QTM file, instead of all columns below", default=None)
-    position: tuple[str, ...] | None = option(_PLACE, default=None, check=_names(2, 3))
+    position: Axes | None = option(_PLACE, default=None)
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
     yaw: str | None = option("Column of its angle about the vertical axis of the file", default=None)
     angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
-    quaternion: tuple[str, ...] | None = option("Columns w, x, y, z, instead of `yaw`", default=None, check=_names(4))
-    rotation: tuple[str, ...] | None = option(
-        "Columns of its rotation matrix, the first three its x axis, instead of `yaw`", default=None, check=_names(9)
+    quaternion: tuple[str, str, str, str] | None = option("Columns w, x, y, z, instead of `yaw`", default=None)
+    rotation: Matrix | None = option(
+        "Columns of its rotation matrix, the first three its x axis, instead of `yaw`", default=None
     )
     forward: Direction = option("Which of its own axes points to the head", default="x")
     link: int = quantity("", "The link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
@@ -147,7 +134,7 @@ class Body:
 class Ends:
     """A marker on the tail end, on every joint and on the head end: no joint angles are needed."""
 
-    markers: tuple[str, ...] = option("Their names, tail first: one more than the robot has links", check=_names())
+    markers: tuple[str, ...] = option("Their names, tail first: one more than the robot has links")
     columns: str = option("How their columns are called, the axis being X, Y or Z", default="{marker} {axis}")
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
@@ -157,15 +144,11 @@ class Ends:
             raise BadArgument("columns", f"must hold {{marker}} and {{axis}}, got {self.columns!r}")
 
 
-def _one_or_several(name: str, given: Any) -> str | tuple[str, ...]:
-    return given if isinstance(given, str) else (_names()(name, given) or ())
-
-
 @value
 class JointColumns:
     """One column per joint."""
 
-    columns: str | tuple[str, ...] = option("Names, tail first; or one with {} for the number", check=_one_or_several)
+    columns: str | tuple[str, ...] = option("Names, tail first; or one with {} for the number")
     first: int = quantity("", "The number of the tail-most joint, where they are numbered", default=0, ge=0)
     head_first: bool = option("Whether the first of them is the head-most joint", default=False)
     unit: str | None = option("Their unit; None: SI", default=None)

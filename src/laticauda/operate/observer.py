@@ -4,6 +4,7 @@ Everything is taken by the time at which it came, so nothing has to be known abo
 the time of a virtual tank goes. Rates are then by our clock, too.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -148,17 +149,11 @@ class PassiveObserver:
 
 def _cycles(messages: tuple[tuple[float, CanMessage], ...]) -> list[list[tuple[float, CanMessage]]]:
     """The messages in pieces in which every module tells its angle once at most."""
-    pieces: list[list[tuple[float, CanMessage]]] = []
-    reported: set[int] = set()
+    pieces, reports = dict[int, list[tuple[float, CanMessage]]](), Counter[int]()
     for time, message in messages:
-        again = isinstance(message, JointState) and message.node in reported
-        if again or not pieces:
-            pieces.append([])
-            reported = set()
-        if isinstance(message, JointState):
-            reported.add(message.node)
-        pieces[-1].append((time, message))
-    return pieces
+        reports.update([message.node] if isinstance(message, JointState) else ())
+        pieces.setdefault(max(reports.values(), default=1), []).append((time, message))
+    return list(pieces.values())
 
 
 # ---- on wires --------------------------------------------------------------------------------------------------------

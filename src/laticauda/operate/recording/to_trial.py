@@ -163,22 +163,22 @@ def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
         known = [(one.time, getattr(one, name)[n]) for one in samples if getattr(one, name) is not None]
         if known:
             found[signal] = np.interp(time, *np.array(known).T)
-    held = [(one.time, one.angle[n]) for one in log.of(ReferenceSample) if one.angle.size > n]
-    if held:
-        when, reference = np.array(held).T
-        at = np.searchsorted(when, time, side="right") - 1
-        found["fin_angle_ref"] = np.where(at >= 0, reference[at], 0.0)
+    references = [one for one in log.of(ReferenceSample) if one.angle.size > n]
+    if references:
+        found["fin_angle_ref"] = _in_force(references, time, lambda angle: angle[n : n + 1])[:, 0]
     return found
 
 
 def _references(log: OperationLog, time: Column, own: Own) -> Table | None:
-    """What was in force at some times; None if none was sent. Before the first one, straight."""
+    """What was in force at some times; None if none was sent."""
     samples: list[ReferenceSample] = log.of(ReferenceSample)
-    if not samples:
-        return None
-    when = np.array([sample.time for sample in samples])
-    table = np.stack([own(log.header.run.robot, "angle", sample.angle) for sample in samples])
-    held = np.searchsorted(when, time, side="right") - 1
+    return _in_force(samples, time, lambda angle: own(log.header.run.robot, "angle", angle)) if samples else None
+
+
+def _in_force(samples: list[ReferenceSample], time: Column, some: Callable[[Column], Column]) -> Table:
+    """Some of the references that were in force at some times; before the first one, straight."""
+    table = np.stack([some(sample.angle) for sample in samples])
+    held = np.searchsorted([sample.time for sample in samples], time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
 
 
