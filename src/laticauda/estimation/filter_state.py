@@ -35,9 +35,7 @@ class Noise:
     slip_gain: float = quantity("m/s/sqrt(s)", "the same for the sideways speed", ge=0.0, default=0.015)
     heading_gain: float = quantity("1/sqrt(s)", "how fast a mode's share in the heading changes", ge=0.0, default=0.15)
     across_gain: float = quantity("m/sqrt(s)", "the same for its share in the place across", ge=0.0, default=0.005)
-    heading_ripple: float = quantity(
-        "rad/sqrt(s)", "change of the heading's ripple; harmonic k: 1/k", ge=0.0, default=0.0033
-    )
+    heading_ripple: float = quantity("rad/sqrt(s)", "of the heading's ripple; harmonic k: 1/k", ge=0.0, default=0.0033)
     position_ripple: float = quantity("m/sqrt(s)", "the same for the center of mass", ge=0.0, default=0.006)
 
     @property

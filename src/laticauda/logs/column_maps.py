@@ -112,9 +112,7 @@ class Body:
     yaw: str | None = option("Column of its angle about the vertical axis of the file", default=None)
     angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
     quaternion: tuple[str, str, str, str] | None = option("Columns w, x, y, z, instead of `yaw`", default=None)
-    rotation: Matrix | None = option(
-        "Columns of its rotation matrix, the first three its x axis, instead of `yaw`", default=None
-    )
+    rotation: Matrix | None = option("Columns of its rotation matrix, x axis first, instead of `yaw`", default=None)
     forward: Direction = option("Which of its own axes points to the head", default="x")
     link: int = quantity("", "The link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
     offset: tuple[float, float] = quantity("m", "Its place from mid-link: toward the head, left", default=(0.0, 0.0))
@@ -215,21 +213,13 @@ class ColumnMap:
     gait: gaits.Gait | None = option("What the joints were asked for; None where it is not known", default=None)
     start: float | None = quantity("s", "Where the trial begins in the file's time; there it is 0", default=None)
     stop: float | None = quantity("s", "Where it ends in the file's time", default=None)
-    longest_gap: float = quantity(
-        "s",
-        "Missing values over up to this time are filled by straight lines; longer gaps are refused",
-        default=0.1,
-        ge=0.0,
-    )
+    longest_gap: float = quantity("s", "Longest time without values that straight lines fill", default=0.1, ge=0.0)
     smoothing: float = quantity("s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0)
     separator: str | None = option("Between the cells of a text file; None: found by itself", default=None)
     decimal: Literal[".", ","] = option("Point or comma", default=".")
     time: TimeColumn = option("When", default=TimeColumn())
     frame: Frame = option("World axes", default=Frame())
-    center_of_mass: Position | None = option(
-        "The center of mass; just one of this, `body` and `ends`, none of them for a table that laticauda wrote",
-        default=None,
-    )
+    center_of_mass: Position | None = option("This, `body` or `ends`; none: a table of laticauda's own", default=None)
     heading: Heading | None = option("The heading, beside `center_of_mass`", default=None)
     body: Body | None = option("One link", default=None)
     ends: Ends | None = option("All links", default=None)
@@ -238,9 +228,7 @@ class ColumnMap:
     joint_angle_ref: JointColumns | None = option("What they were asked for", default=None)
     joint_torque: JointColumns | None = option("Their torques", default=None)
     power: Power | None = option("Electrical power", default=None)
-    signals: Mapping[str, str] = option(
-        "Columns that are kept as they are, by the name of the signal", default_factory=dict[str, str], check=_signals
-    )
+    signals: Mapping[str, str] = option("Columns kept as is, by name", default_factory=dict[str, str], check=_signals)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

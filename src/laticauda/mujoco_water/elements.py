@@ -32,6 +32,10 @@ class Element:
 
         f = -c u |u|        tau = -lambda_3 |w| w
 
+    At a trailing edge Lighthill's force is m'/2 u_y^2 along x and -m' u_x u_y along y. A `plate` is upright, its chord
+    along x, and its numbers are the last five arguments of `laticauda.fluid.laws.plate`. Without a surface `half_size`
+    plays no part.
+
     Raises:
         ValueError: If a field is out of its range.
     """
@@ -47,27 +51,12 @@ class Element:
     thrust: Three = quantity("N", "A constant force along x, y and z, of a thruster say", default=_NONE)
     pull: Three = quantity("N", "A constant force in world axes, of a tether say", default=_NONE)
     tether_drag: float = quantity("kg/m", "k of a force -k |u| u", default=0.0, ge=0.0)
-    wake_mass: float = quantity(
-        "kg/m",
-        "m' of Lighthill's force at a trailing edge, while u_x > 0: m'/2 u_y^2 along x, -m' u_x u_y along y",
-        default=0.0,
-        ge=0.0,
-    )
-    plate: tuple[float, float, float, float, float] | None = quantity(
-        "",
-        "An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`",
-        default=None,
-        ge=0.0,
-    )
+    wake_mass: float = quantity("kg/m", "m' of Lighthill's force at a trailing edge while u_x > 0", default=0.0, ge=0.0)
+    plate: tuple[float, float, float, float, float] | None = quantity("", "Of an upright plate", default=None, ge=0.0)
     contact: Contact | None = option("How it touches the ground of `water.attach`; None: not at all", default=None)
     volume: float = quantity("m^3", "Of the water that it displaces when covered", default=0.0, ge=0.0)
     shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")
-    half_size: Three = quantity(
-        "m",
-        "Half the length, width and height of the shape; without a surface it plays no part",
-        default=(0.1, 0.1, 0.1),
-        gt=0.0,
-    )
+    half_size: Three = quantity("m", "Half the length, width and height of the shape", default=(0.1, 0.1, 0.1), gt=0.0)
     law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
 
     def __post_init__(self) -> None:
@@ -90,16 +79,14 @@ _HALF_TURN = 0.5**0.5
 
 @value
 class GeomCoefficients:
-    """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections."""
+    """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections.
+
+    Added mass and inertia are a share of those of the ellipsoid that fits (Lamb, 1932, art. 114 and 115).
+    """
 
     drag: Three = quantity("", "C_D along the geom's axes, on the area across", default=(0.2, 1.0, 1.0), ge=0.0)
     rotational_drag: float = quantity("", "Share of what the drags set against rotation", default=0.0, ge=0.0)
-    added_mass: float = quantity(
-        "",
-        "Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115)",
-        default=1.0,
-        ge=0.0,
-    )
+    added_mass: float = quantity("", "Share of that of the ellipsoid that fits the geom (Lamb)", default=1.0, ge=0.0)
     law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
 
 

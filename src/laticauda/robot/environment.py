@@ -45,9 +45,7 @@ class Water:
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
     current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
-    depth: float | None = quantity(
-        "m", "Of the body's axis; left out: far below the surface, where flows are as at it", gt=0.0, default=None
-    )
+    depth: float | None = quantity("m", "Of its axis; None: far below, flows as at the surface", gt=0.0, default=None)
 
     former: ClassVar[Mapping[str, str]] = {
         "linear_drag": "drag.linear",

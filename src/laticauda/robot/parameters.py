@@ -142,11 +142,7 @@ class Parameters:
     joints: JointLaw | str | None = option("Joint law that they go with, by name or with its numbers", default=None)
     every_gait: Water = option("For the gaits that have no water of their own")
     own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
-    changes: Adjustments = option(
-        "By table and field: what the robot has instead of its own",
-        default_factory=dict[str, dict[str, Any]],
-        check=_checked,
-    )
+    changes: Adjustments = option("Of a robot, by table", default_factory=dict[str, dict[str, Any]], check=_checked)
     own_changes: Mapping[str, Adjustments] = option(
         "By kind of gait: what it changes besides",
         default_factory=dict[str, Adjustments],

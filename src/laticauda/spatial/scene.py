@@ -110,9 +110,7 @@ class Shore(Slope):
 class HeightField(Scene):
     """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
 
-    heights: tuple[tuple[float, ...], ...] | None = quantity(
-        "m", "At the nodes: one row per x, each along y; left out, waves of the next two", default=None
-    )
+    heights: tuple[tuple[float, ...], ...] | None = quantity("m", "One row per x, along y; None: waves", default=None)
     amplitude: float = quantity("m", "Of the waves", ge=0.0, default=0.03)
     wavelength: float = quantity("m", "Of the waves", gt=0.0, default=1.0)
     extent: tuple[float, float] = quantity("m", "Along x and y; it ends in level ground", gt=0.0, default=(12.0, 6.0))

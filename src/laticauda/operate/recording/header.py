@@ -27,9 +27,7 @@ class Header:
 
     run: Experiment = option("what swims, in what, by which gait, if known; density and current count for figures")
     controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
-    estimator: Estimators | None = option(
-        "what says where the robot is, for a replay; the plant of an `Estimator` is kept as `twin`", default=None
-    )
+    estimator: Estimators | None = option("where the robot is, for a replay; its plant is kept as `twin`", default=None)
     twin: Experiment | None = option("how the estimator's digital twin was made; None without one", default=None)
     supply_voltage: float | None = quantity("V", "V of (4); None without a power meter", gt=0.0, default=None)
     operation: str = option("the trial file as it was read", default="")
