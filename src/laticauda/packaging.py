@@ -55,4 +55,4 @@ def __getattr__(name: str) -> str:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib.metadata import version
 
-    return version("laticauda")
+    return globals().setdefault(name, version("laticauda"))

@@ -6,6 +6,7 @@ Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the use
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Annotated, Any, Union
 
@@ -120,7 +121,7 @@ def _commands(group: str) -> dict[str, str]:
 def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
     """Print the help that lists the commands, or say what is wrong with the words; none of them is a command."""
     subcommands: list[Any] = [
-        Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_no_command)]
+        Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_NoCommand)]
         for name, text in choices.items()
     ]
     any_of_them: Any = Union[tuple(subcommands)]  # noqa: UP007  # made while it runs
@@ -128,8 +129,9 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 
-def _no_command() -> None:
-    """Stands for a command in the list of commands."""
+@dataclass
+class _NoCommand:
+    """Stands for a command in the list of commands; a class, because tyro looks at functions by a slow import."""
 
 
 def _reason(error: OSError) -> str:

@@ -8,6 +8,7 @@ says is what the help shows, and what the flags change.
 import math
 import re
 import shutil
+import sys
 import textwrap
 import types
 import typing
@@ -20,7 +21,6 @@ import tyro
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, StructConstructorSpec, StructFieldSpec
 
 from laticauda.errors import BadArgument, whole
-from laticauda.gaits import Wave
 from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, texts_of
 
 Command = TypeVar("Command")
@@ -266,11 +266,14 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
 
 def _waves_of(kind: type[Any]) -> list[str]:
     """The second waves that a value may have or lack: of a gait its pitch joints' and its fin's."""
-    return [name for name, hint in hints_of(kind).items() if hint == Wave | None]
+    gaits = sys.modules.get("laticauda.gaits.gait")  # not imported here: the list of commands does without
+    return [] if gaits is None else [name for name, hint in hints_of(kind).items() if hint == gaits.Wave | None]
 
 
 def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
     """The flags of a second wave, which the gait has if one of them is typed, by the wave's field."""
+    from laticauda.gaits import Wave
+
     usual, text = getattr(gait, wave), texts_of(gait.__class__)[wave].partition(";")[0]
     found: list[tuple[str, StructFieldSpec]] = []
     for name, declared in quantities_of(Wave).items():
@@ -284,6 +287,8 @@ def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
 
 def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
     """A gait with a second wave if one was typed; what was left out is the wave's or the gait's own, or nothing."""
+    from laticauda.gaits import Wave
+
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
     typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
     own: dict[str, Any] = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in names}

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
 
@@ -53,6 +53,21 @@ class Samples(NamedTuple):
     """What else there is."""
     link_force: Mapping[str, np.ndarray] | None = None
     """Forces on every link that are logged whether they are asked for or not [N]."""
+
+
+class Stretch(NamedTuple):
+    """What a march left behind, not yet named: `Plant.log` makes a log of many at once."""
+
+    samples: np.ndarray
+    """As the kernels logged them; the first axis is time."""
+    command: Command
+    """Held all the while."""
+    force: np.ndarray | None = None
+    """On every link, if asked for: component, time, link, axis [N]."""
+
+    def at(self, index: slice) -> "Stretch":
+        """Some of the samples."""
+        return Stretch(self.samples[index], self.command, None if self.force is None else self.force[:, index])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -122,7 +137,7 @@ class Plant(ABC, Generic[ModelType]):
 
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
         """The state that follows `state` by `dt` [s], while `command` is held."""
-        return self.march(state, command, dt, dt)[0]
+        return self.advance(state, command, dt, dt)[0]
 
     def march(
         self,
@@ -146,6 +161,13 @@ class Plant(ABC, Generic[ModelType]):
             The state after `duration` [s], the samples with both ends included, and a sentence that says what went
             wrong, or None. A run that went wrong returns the samples up to then.
         """
+        state, stretch, failure = self.advance(state, command, duration, sample_interval, link_forces=link_forces)
+        return state, self.log([stretch]), failure
+
+    def advance(
+        self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
+    ) -> tuple[PlantState, Stretch, str | None]:
+        """The same, with samples that have no names yet; arguments as for `march`."""
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)
         dt = duration / n_intervals / every
@@ -154,13 +176,9 @@ class Plant(ABC, Generic[ModelType]):
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):  # what the state calls for at once is out of range; the state itself is kept
                 samples = self._sample_of(state, command)
-            return state, self._log(samples, command), self.what_went_wrong(when)
-        log = self._log(samples, command)
-        if link_forces:
-            force = self._link_forces(state, command, samples, every, dt)
-            found = {name: force[i] for i, name in enumerate(FORCES)}
-            log = replace(log, link_force={**found, **(log.link_force or {})})
-        return self._ended(state, command, end), log, None
+            return state, Stretch(samples, command), self.what_went_wrong(when)
+        force = self._link_forces(state, command, samples, every, dt) if link_forces else None
+        return self._ended(state, command, end), Stretch(samples, command, force), None
 
     def _ended(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
         """The state behind a march; waves that references replaced go on from where they were."""
@@ -226,22 +244,27 @@ class Plant(ABC, Generic[ModelType]):
     ) -> np.ndarray:
         """Force on every link at the samples of a march: component, time, link, axis."""
 
-    def _log(self, samples: np.ndarray, command: Command) -> Log:
-        found = self._samples(samples)
-        given = command.effectors(self.robot)
-        driven = {
-            f"{number}_{i}": np.full(len(samples), getattr(one, number))
-            for _, group, number, _ in EFFECTORS
-            for i, one in enumerate(getattr(given, group))
-            if getattr(one, f"max_{number}") is not None
-        }
+    def log(self, stretches: Sequence[Stretch]) -> Log:
+        """The log of stretches of time that follow each other, each without the samples of the one before."""
+        samples = np.concatenate([one.samples for one in stretches]) if len(stretches) > 1 else stretches[0].samples
+        found, counts = self._samples(samples), [len(one.samples) for one in stretches]
+        driven: dict[str, np.ndarray] = {}
+        for _, group, number, _ in EFFECTORS:
+            for i, one in enumerate(getattr(self.robot, group)):
+                if getattr(one, f"max_{number}") is not None:
+                    given = [getattr(getattr(of.command.effectors(self.robot), group)[i], number) for of in stretches]
+                    driven[f"{number}_{i}"] = np.repeat(np.array(given, dtype=float), counts)
+        force = dict(found.link_force or {})
+        if all(one.force is not None for one in stretches):
+            every = np.concatenate([cast(np.ndarray, one.force) for one in stretches], axis=1)
+            force = dict(zip(FORCES, every, strict=True)) | force
         return Log(
             **found.seen,
             joint_angle_ref=self._commanded(found.reference, found.offset),
             joint_torque=found.torque,
             work=found.work[:, :3],
             electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
-            link_force=found.link_force,
+            link_force=force or None,
             signals={**found.signals, **driven, **fin_signals(self.robot.fin_joints, *found.fin)},
         )
 

@@ -58,8 +58,6 @@ class _Body:
 
     length: float
     parts: list[_Part]
-    own: tuple[Coefficients, int] | None = None
-    """Coefficients with the element that is the body's own; None for a piece of the fin, which has strips only."""
     strips: Coefficients | None = None
     """Positions are those from the body's tail end."""
     law: int = rows.LOCKED
@@ -95,14 +93,16 @@ def layout(
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
-    first_plate = np.array([0, *accumulate(sum(p.link == i - len(fin) for p in robot.pectoral_fins) for i in range(n))])
+    first_plate = np.zeros(n + 1, dtype=int)
+    for plate in robot.pectoral_fins:
+        first_plate[plate.link + len(fin) + 1 :] += 1
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
     _write_environment(S, environment, robot, joints, folded=not fin)
     records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
     strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
-    _write_bodies(records, bodies, environment)
-    records[:, rows.HEADING_SHARE] = [(len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)]
+    _write_bodies(records, bodies, coefficients, environment)
+    records[:, rows.HEADING_SHARE] = (len(links) - np.maximum(np.arange(n) - len(fin), 0)) / len(links)
     for i, body in enumerate(bodies):
         if body.strips is not None:
             water = body.strips
@@ -137,7 +137,7 @@ def _links_and_fin(
     """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
     part = {id(m): _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for m in _distinct(robot.modules)}
-    links = [_Body(length=m.length, parts=[part[id(m)]], own=(coefficients, i)) for i, m in enumerate(robot.modules)]
+    links = [_Body(length=m.length, parts=[part[id(m)]]) for m in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []
     fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code, as_links=fin_as_links)
@@ -215,10 +215,12 @@ def _write_environment(
         S[rows.WAKE_POSITION] = -robot.caudal_fin.length if robot.caudal_fin and folded else 0.0
 
 
-def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: robots.Environment) -> None:
+def _write_bodies(
+    records: np.ndarray, bodies: Sequence[_Body], w: Coefficients, environment: robots.Environment
+) -> None:
     """Masses and added masses of the bodies about their tail ends; their own drag at their middles."""
     length, mass, moment, rigid = np.array([_solid(body) for body in bodies]).T
-    mu_t, mu_n, moment_t, moment_n, added = np.array([_added_mass(body) for body in bodies]).T
+    mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
     for row, values in (
@@ -238,7 +240,8 @@ def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: rob
         (rows.FIRST_MOMENT_SHARE, moment / total),
     ):
         records[:, row] = values
-    records[:, rows.C_T : rows.DISPLACED + 1] = [_own_loads(body) for body in bodies]
+    loads = w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced
+    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = np.stack(loads, axis=1)
 
 
 def _solid(body: _Body) -> tuple[float, float, float, float]:
@@ -249,14 +252,6 @@ def _solid(body: _Body) -> tuple[float, float, float, float]:
         moment += part.mass * part.position
         inertia += part.inertia + part.mass * part.position**2
     return body.length, mass, moment, inertia
-
-
-def _own_loads(body: _Body) -> tuple[float, ...]:
-    """The rows from C_T to DISPLACED."""
-    if body.own is None:
-        return (0.0,) * 7
-    w, i = body.own
-    return tuple(one.item(i) for one in (w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
 
 
 def flow_rows(environment: robots.Environment) -> Rows:
@@ -270,21 +265,18 @@ def flow_rows(environment: robots.Environment) -> Rows:
     return rows_of(environment.flow, -(environment.depth or 0.0))
 
 
-def _added_mass(body: _Body) -> tuple[float, ...]:
-    """Of a body and its strips: sums of mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2, x from its tail end."""
-    mu_t = mu_n = moment_t = moment_n = inertia = 0.0
-    if body.own is not None:
-        (w, i), x = body.own, body.length / 2.0
-        mu_t, mu_n = w.mu_t.item(i), w.mu_n.item(i)
-        moment_t, moment_n, inertia = mu_t * x, mu_n * x, w.lambda_1.item(i) + mu_n * x**2
-    if (strips := body.strips) is not None:
-        x = strips.position
-        mu_t += float(strips.mu_t.sum())
-        mu_n += float(strips.mu_n.sum())
-        moment_t += float(strips.mu_t @ x)
-        moment_n += float(strips.mu_n @ x)
-        inertia += float(strips.lambda_1.sum() + strips.mu_n @ (x * x))
-    return mu_t, mu_n, moment_t, moment_n, inertia
+def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.ndarray:
+    """Of every body with its strips: sums of mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2, x from its tail end.
+
+    The last bodies are the links, whose own loads `w` act at `x`.
+    """
+    found = np.zeros((5, len(bodies)))
+    found[:, -x.size :] = w.mu_t, w.mu_n, w.mu_t * x, w.mu_n * x, w.lambda_1 + w.mu_n * (x * x)
+    for i, body in enumerate(bodies):
+        if (strips := body.strips) is not None:
+            at, (mu_t, mu_n) = strips.position, (strips.mu_t, strips.mu_n)
+            found[:, i] += mu_t.sum(), mu_n.sum(), mu_t @ at, mu_n @ at, strips.lambda_1.sum() + mu_n @ (at * at)
+    return found
 
 
 def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Environment, *, first_link: int) -> None:
@@ -307,7 +299,7 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
                     raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
     records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
     records = records.reshape(-1, rows.BODY_ROWS)
-    records[:, [rows.THRUST_T, rows.THRUST_N, rows.THRUST_MOMENT]] = 0.0
+    records[:, rows.THRUST_T : rows.THRUST_MOMENT + 1] = 0.0
     for thruster in robot.thrusters:
         _add_thruster(records[thruster.link], robot, thruster.link, thruster)
     half_density = 0.5 * environment.density if isinstance(environment, robots.Water) else 0.0

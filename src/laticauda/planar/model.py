@@ -243,9 +243,9 @@ class PlanarPlant(Plant[Planar]):
         heading = samples[:, _at(rows.HEADING)]
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
-        relative = np.cumsum(angle, axis=1)  # of every link but the tail's to the tail link
+        relative = angle.cumsum(axis=1)  # of every link but the tail's to the tail link
         # The last of running sums: sums and matrix products may round differently with the number of samples.
-        tail = heading - np.cumsum(relative, axis=1)[:, -1:].sum(axis=1) / self.robot.n_links
+        tail = heading - relative.cumsum(axis=1)[:, -1:].sum(axis=1) / self.robot.n_links
         links = np.empty((len(samples), self.robot.n_links))
         links[:, 0] = tail
         np.add(tail[:, np.newaxis], relative, out=links[:, 1:])

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any, TypedDict, Unpack, cast
 
 import numpy as np
 
-from laticauda import gaits, packaging, series
-from laticauda.dynamics.plant import Plant
+from laticauda import gaits, packaging
+from laticauda.dynamics.plant import Plant, Stretch
 from laticauda.errors import BadArgument, SimulationFailed, instance
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Resumed, Start
 from laticauda.robot import Robot
@@ -21,8 +21,8 @@ from laticauda.trial import Trial
 Progress = Callable[[float], None]
 Until = Callable[[Observation], bool]
 States = Sequence[Any]
-Marched = tuple[States, Sequence[series.Log], str | None]
-"""States and logs of all plants after a stretch of time, and what went wrong, if anything."""
+Marched = tuple[States, Sequence[Stretch], str | None]
+"""States of all plants after a stretch of time, what it left behind, and what went wrong, if anything."""
 
 CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
@@ -89,8 +89,8 @@ def run(
     )
 
     def march(states: States, commands: Sequence[Command], share: float, interval: float) -> Marched:
-        state, log, failure = plant.march(states[0], commands[0], share, interval, link_forces=link_forces)
-        return [state], [log], failure
+        state, stretch, failure = plant.advance(states[0], commands[0], share, interval, link_forces=link_forces)
+        return [state], [stretch], failure
 
     (trial,) = run_all([scenario], [plant], march, until=until, progress=progress)
     if throw and not trial.succeeded:
@@ -112,7 +112,7 @@ def run_all(
     Args:
         scenarios: One for each plant, all of one duration and sample interval.
         plants: What swims.
-        march: As `Plant.march`, with the states, commands and logs of all.
+        march: As `Plant.advance`, for all of them at once.
         until: Asked of the first one.
         check: Refuses states to begin with.
         progress: See `run`.
@@ -132,22 +132,23 @@ def run_all(
     delays = [_delay(body, one.controller, one.start) for body, one in zip(plants, scenarios, strict=True)]
     line = _Line(march=march, commands=[[(0.0, command)] for command in commands], delays=delays)
     pace = min(controller.interval for controller in controllers)
-    logs: list[list[series.Log]] = []
+    logs: list[list[list[Stretch]]] = [[] for _ in plants]  # of each plant, of each stretch, the parts of it
     signals: list[list[Mapping[str, float]]] = []
     failure: str | None = None
     reached, now = 0, 0.0
     for share, count, done in _stretches(duration, sample_interval, pace):
         seen = [body.observe(state) for body, state in zip(plants, states, strict=True)]
-        if until is not None and logs and until(seen[0]):
+        if until is not None and signals and until(seen[0]):
             scenarios = [replace(one, duration=_cut(duration, pace, reached)) for one in scenarios]
             break
         for k, controller in enumerate(controllers):
-            if not logs or controller.interval <= pace:
+            if not signals or controller.interval <= pace:
                 minds[k], commands[k] = controller.step(minds[k], seen[k])
                 instance("command", commands[k], Command)
         signals.append([controller.signals(mind) for controller, mind in zip(controllers, minds, strict=True)])
         states, found, failure = line.march_on(states, commands, now, share, count)
-        logs.append([log.at(slice(1, None)) if logs else log for log in found])
+        for own, parts in zip(logs, found, strict=True):
+            own.append([parts[0].at(slice(1, None)), *parts[1:]] if own else parts)
         if failure is not None:
             break
         reached, now = reached + 1, done
@@ -155,8 +156,8 @@ def run_all(
             progress(done)
     trials: list[Trial] = []
     for k, one in enumerate(scenarios):
-        parts = [found[k] for found in logs]
-        log, said = series.concatenated(parts), _held([each[k] for each in signals], [part.time.size for part in parts])
+        counts = [sum(len(part.samples) for part in parts) for parts in logs[k]]
+        log, said = plants[k].log(list(chain(*logs[k]))), _held([each[k] for each in signals], counts)
         trial = Trial(
             **vars(replace(log, signals={**said, **log.signals})),
             scenario=one,
@@ -180,8 +181,10 @@ class _Line:
     delays: list[float]
     """Of each robot [s]."""
 
-    def march_on(self, states: States, commands: Sequence[Command], now: float, share: float, count: int) -> Marched:
-        """Let a stretch of time go by at whose begin commands are given; see `Plant.march`."""
+    def march_on(
+        self, states: States, commands: Sequence[Command], now: float, share: float, count: int
+    ) -> tuple[States, list[list[Stretch]], str | None]:
+        """Let a stretch of time go by at whose begin commands are given, in parts where one of them changes."""
         for line, delay, command in zip(self.commands, self.delays, commands, strict=True):
             line.append((now + delay, command))
             while len(line) > 1 and line[1][0] <= now + CLOSE:
@@ -189,17 +192,18 @@ class _Line:
         interval = share / count
         turns = [due - now for line in self.commands for due, _ in line[1:] if due < now + share - CLOSE]
         if not turns:
-            return self.march(states, [line[0][1] for line in self.commands], share, interval)
+            states, found, failure = self.march(states, [line[0][1] for line in self.commands], share, interval)
+            return states, [[one] for one in found], failure
         samples = [i * interval for i in range(count + 1)]
         between = {turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE}
-        logs, failure = list[list[series.Log]](), None
+        logs, failure = list[list[Stretch]](), None
         for begin, end in pairwise(sorted([*samples, *between])):
             acting = [[one for due, one in line if due - now <= begin + CLOSE][-1] for line in self.commands]
             states, found, failure = self.march(states, acting, end - begin, end - begin)
             logs.append([log.at(slice(1 if logs else 0, None if end in samples else -1)) for log in found])
             if failure is not None:
                 break
-        return states, [series.concatenated(parts) for parts in zip(*logs, strict=True)], failure
+        return states, [list(parts) for parts in zip(*logs, strict=True)], failure
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:

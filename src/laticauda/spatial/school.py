@@ -8,9 +8,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda import interfaces, robot, series
+from laticauda import interfaces, robot
 from laticauda.dynamics import school
-from laticauda.dynamics.plant import PlantState
+from laticauda.dynamics.plant import PlantState, Stretch
 from laticauda.dynamics.school import Currents
 from laticauda.interfaces import Command
 from laticauda.spatial import model, rows, scene, twin
@@ -84,8 +84,8 @@ class Together:
 
     def march(
         self, each: Sequence[PlantState], commands: Sequence[Command], duration: float, sample_interval: float
-    ) -> tuple[list[PlantState], list[series.Log], str | None]:
-        """Many steps at once; see `Plant.march`.
+    ) -> tuple[list[PlantState], list[Stretch], str | None]:
+        """Many steps at once; see `Plant.advance`.
 
         Args:
             each: Where each robot starts.
@@ -101,7 +101,7 @@ class Together:
         log = self.twin.run(ends, given, n_intervals * every, dt, every, self._environment)
         parts = np.split(log, self.twin.places[1:-1, rows.FIRST_COLUMN], axis=1)
         known = list(zip(self.plants, commands, strict=True))
-        logs = [plant._log(part, command) for (plant, command), part in zip(known, parts, strict=True)]
+        logs = [Stretch(part, command) for command, part in zip(commands, parts, strict=True)]
         if len(log) <= n_intervals:
             when = each[0].values[0] + len(log) * duration / n_intervals
             return list(each), logs, self.plants[0].what_went_wrong(when)
