@@ -167,7 +167,15 @@ class Plant(ABC, Generic[ModelType]):
     def advance(
         self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
     ) -> tuple[PlantState, Stretch, str | None]:
-        """The same, with samples that have no names yet; arguments as for `march`."""
+        """The same, with samples that have no names yet.
+
+        Args:
+            state: As for `march`, like the others.
+            command: Held.
+            duration: [s].
+            sample_interval: [s].
+            link_forces: Keep the force on every link too.
+        """
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)
         dt = duration / n_intervals / every
@@ -245,7 +253,11 @@ class Plant(ABC, Generic[ModelType]):
         """Force on every link at the samples of a march: component, time, link, axis."""
 
     def log(self, stretches: Sequence[Stretch]) -> Log:
-        """The log of stretches of time that follow each other, each without the samples of the one before."""
+        """The log of stretches of time.
+
+        Args:
+            stretches: They follow each other; none has the samples of the one before.
+        """
         samples = np.concatenate([one.samples for one in stretches]) if len(stretches) > 1 else stretches[0].samples
         found, counts = self._samples(samples), [len(one.samples) for one in stretches]
         driven: dict[str, np.ndarray] = {}
