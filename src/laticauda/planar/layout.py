@@ -1,9 +1,9 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import accumulate
-from typing import NamedTuple, TypeVar, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -15,8 +15,6 @@ from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Rows, rows_of
 from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
-
-Thing = TypeVar("Thing")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,17 +124,13 @@ def layout(
     )
 
 
-def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
-    """Every object once."""
-    return {id(thing): thing for thing in things}.values()
-
-
 def _links_and_fin(
     robot: robots.Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
 ) -> tuple[list[_Body], list[_Body]]:
     """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
-    part = {id(m): _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for m in _distinct(robot.modules)}
+    modules = {id(m): m for m in robot.modules}
+    part = {key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for key, m in modules.items()}
     links = [_Body(length=m.length, parts=[part[id(m)]]) for m in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []

@@ -37,8 +37,10 @@ class Steady(NamedTuple):
         start = np.array([_steady_start(time, run.command.gait) for run in runs])
         before = np.searchsorted(time, np.nan_to_num(start), side="right") - 1
         if runs[0].slope is not None:
-            slopes = [_start_slope(run, time[-1] - at) for run, at in zip(runs, start.tolist(), strict=True)]
-            start = start + 1j * STEP * np.array(slopes)
+            # A whole number of cycles lies behind it, which shorten as the frequency rises.
+            change = np.array([cast(np.ndarray, run.slope)[rows.FREQUENCY] for run in runs])
+            frequency = np.array([run.command.gait.frequency or np.inf for run in runs])
+            start = start + 1j * STEP * ((time[-1] - start) / frequency * change)
         return cls(start, np.clip(before, 0, time.size - 2), time)
 
 
@@ -95,13 +97,6 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
 def _size(vector: np.ndarray) -> np.ndarray:
     """|vector|, complex steps included; the first axis holds x and y."""
     return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
-
-
-def _start_slope(run: Run, steady: float) -> float:
-    """How the begin of the steady part, a whole number of cycles before the end, follows the run's parameter."""
-    frequency = run.command.gait.frequency
-    assert run.slope is not None
-    return steady / frequency * float(run.slope[rows.FREQUENCY]) if frequency > 0.0 else 0.0
 
 
 def _steady_start(time: np.ndarray, gait: Gait) -> float:
