@@ -21,7 +21,7 @@ from numba.core.errors import NumbaError
 from numba.extending import overload
 
 from laticauda import scalars
-from laticauda.compiling import lanes
+from laticauda.compiling import lanes, ready
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import INLINED, OPTIONS
 from laticauda.errors import BadArgument
@@ -165,7 +165,10 @@ def _kept(function: Callable[..., Any]) -> Any:
     which is the end of the module's name, goes into that name.
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    return in_turn(njit(cache=True, nogil=True, **OPTIONS)(function))
+    compiled = njit(cache=True, nogil=True, **OPTIONS)(function)
+    if ready.FOLDER.is_dir():
+        cast(Any, compiled)._cache = ready.ReadyCache(function)
+    return in_turn(compiled)
 
 
 def in_turn(compiled: Any) -> Any:

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas
+from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, ready
 from laticauda.formulas import Formula
 
 PACKAGE = Path(__file__).parent.parent
@@ -84,7 +84,7 @@ def is_kept(compiled: Any) -> bool:
         compiled: As Numba's decorator returned it.
     """
     kept = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
-    return bool(compiled.signatures) or any(kept)
+    return bool(compiled.signatures) or any(kept) or ready.is_ready(compiled.py_func)
 
 
 def _file(package: Path, way: list[str]) -> Path | None:
