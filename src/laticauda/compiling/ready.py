@@ -10,7 +10,7 @@ import platform
 import sys
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numba
 from llvmlite import binding
@@ -29,13 +29,12 @@ class ReadyCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """See Numba: the code for a signature, None if there is none."""
-        ours: Any = super()
-        path, found = path_of(self._py_func), ours.load_overload(sig, target_context)
+        path, found = path_of(self._py_func), cast(Any, super()).load_overload(sig, target_context)
         if found is None and path.is_file() and is_of_family():
             signature, code = pickle.loads(path.read_bytes())
             if signature == str(sig):
                 target_context.refresh()
-                found = ours._impl.rebuild(target_context, code)
+                found = cast(Any, self)._impl.rebuild(target_context, code)
         return found
 
 
