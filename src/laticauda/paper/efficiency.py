@@ -6,6 +6,7 @@ of sweeps, beside the maxima of the simulated ones. How far off the speeds are i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from jaxtyping import Float
@@ -14,8 +15,10 @@ from laticauda.gaits import Gait
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
+from laticauda.scenarios import Scenario
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
+CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,31 +82,27 @@ class EfficiencyStudy(Study[EfficiencySettings]):
         """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
 
-        def swum(group: Group, gait: Gait) -> list[tuple[float, float, float]]:
-            """By model: forward velocity [m/s], steady velocity [m/s] and mechanical power [W]."""
+        def tasks(group: Group, gait: Gait) -> list[tuple[str, Scenario]]:
+            """Name and scenario of every model's trial; that of the first comes last, and `runs.how` is of it."""
             setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
             )
             swimmers = [
                 one.scenario(group.robot, gait, model=one.driven(runs.model), duration=settings.duration)
-                for one in settings.models
+                for one in reversed(settings.models)
             ]
-            names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]
-            tasks = [*zip(names, swimmers, strict=True)]
-            trials = [runs.swim(*task) for task in reversed(tasks)][::-1]  # what `runs.how` says is of the last run
-            return [(trial.forward_velocity, trial.steady_velocity, trial.mechanical_power) for trial in trials]
+            return [(f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}", one) for one in swimmers]
 
-        cases = [
-            Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
-            for group in settings.groups
-            for row in group.cases
-            for velocity, _, power in [zip(*swum(group, row.gait), strict=True)]
-        ]
+        cases: list[Case] = []
+        for group, row in [(one, row) for one in settings.groups for row in one.cases]:
+            trials = [runs.swim(*task) for task in tasks(group, row.gait)][::-1]
+            velocity, power = zip(*[(one.forward_velocity, one.mechanical_power) for one in trials], strict=True)
+            cases.append(Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power))
         sweeps: list[SweepResult] = []
         for sweep in settings.sweeps:
-            found = [[swum(group, sweep.gait(group.gait, at)) for at in sweep.values] for group in settings.groups]
-            velocity, steady, power = np.moveaxis(np.array(found), (3, 2), (0, 1))
-            curves = {"forward_velocity": velocity, "steady_velocity": steady, "mechanical_power": power}
+            points = [tasks(group, sweep.gait(group.gait, at)) for group in settings.groups for at in sweep.values]
+            found, shape = runs.figures(list(chain(*points))), (len(settings.groups), sweep.values.size, -1)
+            curves = {name: np.moveaxis(found[name].reshape(shape)[:, :, ::-1], 2, 0) for name in CURVES}
             sweeps.append(SweepResult(settings=sweep, **curves))
         return EfficiencyStudy(settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases))
 

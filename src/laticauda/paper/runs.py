@@ -1,9 +1,11 @@
 """What all studies of the paper share: who swims with which coefficients, and how it is run."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
+
+import numpy as np
 
 import laticauda as lc
 from laticauda import gaits, packaging
@@ -117,6 +119,30 @@ class Runs:
         if self.progress is not None:
             self.progress(self.n_done, self.n_runs)
         return trial
+
+    def figures(self, tasks: Sequence[tuple[str, Scenario]]) -> dict[str, np.ndarray]:
+        """The figures of many scenarios that hold a gait, side by side: those of `swim` to rounding (`lc.swim_many`).
+
+        Args:
+            tasks: Names and scenarios.
+
+        Raises:
+            SimulationFailed: If one blows up; the message says which.
+        """
+        begun, scenarios = self.n_done, [scenario for _, scenario in tasks]
+
+        def tell(share: float) -> None:
+            while self.n_done < begun + round(share * len(tasks)):
+                self.n_done += 1
+                if self.progress is not None:
+                    self.progress(self.n_done, self.n_runs)
+
+        found = lc.swim_many(scenarios, threads=1, progress=tell)
+        for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
+            if not succeeded:
+                raise SimulationFailed(f"{name}: {status}")
+        self.how |= settings_of(plant(scenarios[-1]).settings)
+        return vars(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
