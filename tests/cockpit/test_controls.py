@@ -79,7 +79,7 @@ def test_every_control_acts_at_once(cockpit):
     use(cockpit, control(cockpit, "path"), True)
     assert (live.scenario.gait.kind, live.scenario.model.joints) == ("eel_like", Servo())
     assert live.scenario.environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
-    assert abs(numbers(live).cross_track_error) == pytest.approx(0.6, abs=0.05)
+    assert abs(numbers(live)["cross_track_error"]) == pytest.approx(0.6, abs=0.05)
     use(cockpit, control(cockpit, "robot"), "chain")
     assert live.scenario.robot == lc.load_robot("chain")
     assert control(cockpit, "fin").value == "none"

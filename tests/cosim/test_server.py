@@ -36,7 +36,7 @@ def test_a_hundred_megabytes_without_an_end_of_line_harm_nobody_else(connect, se
                 assert "observation" in good.ask("step", duration=0.05)
     except OSError:
         pass  # it was let go before the end
-    eventually(lambda: server.n_clients == 1)
+    eventually(lambda: len(server._clients) == 1)
     assert "observation" in good.ask("step", duration=0.05)
     assert "observation" in connect().ask("reset")
 
@@ -71,7 +71,7 @@ def test_a_client_that_dies_harms_nobody_and_makes_room(connect, server):
         bad.wire.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
         bad.close()
         assert "observation" in good.ask("step", duration=0.05)
-    eventually(lambda: server.n_clients == 1)
+    eventually(lambda: len(server._clients) == 1)
 
 
 def test_a_client_that_never_reads_holds_up_nobody(connect):
@@ -99,7 +99,7 @@ def test_one_client_too_many_is_told_to_come_back(connect, server):
     assert late.heard() == {"error": "The server has its 6 clients; come back later."}
     assert late.is_let_go()
     clients[0].close()
-    eventually(lambda: server.n_clients == 5)
+    eventually(lambda: len(server._clients) == 5)
     assert "observation" in connect().ask("reset")
 
 

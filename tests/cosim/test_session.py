@@ -88,7 +88,7 @@ def test_the_log_has_every_sample_once_and_can_be_read_from_a_moment_on(ask):
 
 
 def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, monkeypatch):
-    monkeypatch.setattr("laticauda.cosim.worlds.MOST_SAMPLES", 20)
+    monkeypatch.setattr("laticauda.cosim.session.MOST_SAMPLES", 20)
     ask("reset")
     for _ in range(50):
         ask("step", duration=0.05)

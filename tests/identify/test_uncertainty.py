@@ -18,7 +18,7 @@ def found():
 def test_where_the_model_is_about_linear_the_profile_is_the_interval(found):
     ends = profile(found, FRICTION)
     low, high = found[FRICTION].interval
-    assert ends.is_closed
+    assert None not in (ends.low, ends.high)
     assert np.log((ends.low, ends.high)) == pytest.approx(np.log((low, high)), abs=0.05 * np.log(high / low))
 
 
@@ -34,7 +34,8 @@ def test_a_profile_does_not_close_where_nothing_is_seen():
     names = [Unknown(name=FRICTION, lower=0.1, upper=1.0), Unknown(name=DRAG, lower=0.8, upper=4.0)]
     blind = fit(speeds(3, duration=3.0, sigma=0.02), parameters=names, n_starts=1, threads=1)
     assert not blind[DRAG].is_identified
-    assert not profile(blind, DRAG).is_closed
+    blurred = profile(blind, DRAG)
+    assert None in (blurred.low, blurred.high)
     with pytest.raises(ValueError, match="`name` must be one of"):
         profile(blind, "water.density")
 

@@ -48,11 +48,11 @@ def beside() -> tuple[EfficiencyStudy, PathFollowingStudy]:
 @pytest.fixture
 def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
     """`laticauda reproduce` in seconds: studies cut down, no figures, no workers."""
-    from laticauda.paper.report import experiments, reproduce
+    from laticauda.paper.report import reproduce
 
-    whole_plan = experiments.paper_experiments
+    whole_plan = reproduce.paper_experiments
 
-    def small(parameters: Any = None) -> experiments.Experiments:
+    def small(parameters: Any = None) -> reproduce.Experiments:
         whole = whole_plan(parameters)
         sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
         following = replace(whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
@@ -62,7 +62,7 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
         return replace(whole, efficiency=efficiency, path_following=following)
 
     monkeypatch.setattr("os.cpu_count", lambda: 1)
-    monkeypatch.setattr(experiments, "paper_experiments", small)
+    monkeypatch.setattr(reproduce, "paper_experiments", small)
     chapters = {name: (title, _without_figures(chapter)) for name, (title, chapter) in reproduce.CHAPTERS.items()}
     monkeypatch.setattr(reproduce, "CHAPTERS", chapters)
 

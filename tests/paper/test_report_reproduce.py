@@ -9,9 +9,7 @@ import pytest
 
 from laticauda.gaits import eel_like
 from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
-from laticauda.paper.report import experiments
-from laticauda.paper.report.experiments import HALVES, RUNS
-from laticauda.paper.report.reproduce import CHAPTERS
+from laticauda.paper.report.reproduce import CHAPTERS, HALVES, RUNS
 from laticauda.reports.chapter import Chapter
 from laticauda.robot import Parameters, load_parameters, load_robot, load_water
 
@@ -91,7 +89,7 @@ def test_every_study_has_a_runner_and_a_half_of_the_paper():
 
 
 def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(experiments, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
+    monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
     monkeypatch.setattr(module, "CHAPTERS", {})
     for name in ("claims_chapter", "summary_chapter"):
         monkeypatch.setattr(module, name, lambda *found: module.paper_chapter("words", {}, values={}))

@@ -50,11 +50,7 @@ class Candidates:
     amplitudes: tuple[float, ...] = quantity("rad", "alpha of the candidates", ge=0.0, default=_degrees(20, 30, 40))
     frequencies: tuple[float, ...] = quantity("rad/s", "omega of candidates", ge=0.0, default=_degrees(70, 110, 150))
     phase_shifts: tuple[float, ...] = quantity("rad", "delta of the candidates", default=_degrees(30, 50))
-    sensors: Words = option(
-        "NAME or NAME=SIGMA, what would be measured of a swim: speed, power, path, heading, joint-angle, joint-torque, "
-        "with the standard deviation of the noise in SI units",
-        default=("speed",),
-    )
+    sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
     tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot, for its loads", default=(0.1, 0.4))
     tow_angles: tuple[float, ...] = quantity("rad", "Of the robot to its way; 0: along", default=_degrees(0, 15))
     coast_down: tuple[float, ...] = quantity("m/s", "Speeds from which the straight robot is let go", default=(0.4,))

@@ -51,9 +51,7 @@ class Mjcf(Urdf):
     """
 
     output: Annotated[flags.Output, flags.Written((".xml",))] = option(OUTPUT)
-    water: str | None = option(
-        "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
-    )
+    water: str | None = option("A preset or TOML file, or paper-lateral: of it only the depth is written", default=None)
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
     scene: str | None = option("Around it: tank, pegs, slope, pipe, shore, height-field or an MJCF file", default=None)
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")

@@ -59,9 +59,7 @@ class Fixed:
 class Method:
     """How."""
 
-    noise: Literal["known", "estimated"] = option(
-        "Whether the noise is as stated, or that times a factor that the residuals say", default="estimated"
-    )
+    noise: Literal["known", "estimated"] = option("Known as stated, or times an estimated factor", default="estimated")
     starts: int = quantity("", "How many starts the search has", ge=1, default=4)
     seed: int = quantity("", "Of the further starts", ge=0, default=0)
     profiles: bool = option("Intervals from the likelihood itself too", default=False)

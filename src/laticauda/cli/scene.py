@@ -27,9 +27,7 @@ Kind = TypeVar("Kind", bound=Extensible)
 class Names(Choice):
     """What swims, how and where, by name. The other flags change single numbers of it."""
 
-    water: str | None = option(
-        "A preset, a TOML file or textbook; or the default: textbook, Mamba's the paper's", default=None
-    )
+    water: str | None = option("A preset, a file or textbook; left out: textbook, Mamba's the paper's", default=None)
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
         "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of one's own",

@@ -7,6 +7,6 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.cockpit.live import Live as Live
     from laticauda.cockpit.page import Cockpit as Cockpit
-    from laticauda.cockpit.readouts import Numbers as Numbers, numbers as numbers
+    from laticauda.cockpit.readouts import numbers as numbers
 
 __getattr__, __dir__, __all__ = lazy_exports()

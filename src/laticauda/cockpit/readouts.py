@@ -1,7 +1,6 @@
 """The numbers and the plots of a run."""
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,36 +25,20 @@ PLOTS = (
     ("Joint angles [deg]", (("joint_tail", "tail"), ("joint_middle", "middle"), ("joint_head", "head"))),
 )
 HEIGHT = 165  # [px]
+FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transport")
 RECENT = 800  # samples in which joints and actuators are looked at
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Numbers:
-    """Figures of the run since the scenario was last changed; nan where there is none yet."""
+def numbers(live: Live) -> dict[str, Any]:
+    """The figures of a `live` run since the scenario was last changed, by name; nan where there is none yet.
 
-    time: float
-    """How long that is [s]."""
-    forward_velocity: float = math.nan
-    """Equation (5) [m/s]."""
-    cycle_velocity: float = math.nan
-    """Displacement over the last gait cycle, per second [m/s]."""
-    mean_power: float = math.nan
-    """Electrical with servos or a power model, else mechanical [W]."""
-    cost_of_transport: float = math.nan
-    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
-    cross_track_error: float
-    """Distance from the path, positive to its left [m]."""
-    heading: float
-    """Mean link angle (6) [rad]."""
-    joints: str = ""
-    """What joints and actuators were asked for lately, and why the robot cannot do it, if so."""
-
-
-def numbers(live: Live) -> Numbers:
-    """The figures of a `live` run since the scenario was last changed."""
+    Its `time` so far [s], the forward velocity (5), that of the last gait cycle [m/s], the mean power, electrical with
+    servos or a power model [W], the cost of transport by it [-], cross-track error [m], heading [rad], and `joints`,
+    what these and their actuators were asked for lately, and why the robot cannot do it, if so.
+    """
     record, now = live.record()
     time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot
-    elapsed, found = float(time[-1] - time[0]), dict[str, Any]()
+    elapsed, found = float(time[-1] - time[0]), dict[str, Any](dict.fromkeys(FIGURES, math.nan), joints="-")
     if elapsed > 0.0:
         velocity = metrics.forward_velocity(time, place)
         work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
@@ -71,7 +54,7 @@ def numbers(live: Live) -> Numbers:
         lately = feasibility(robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None)
         found["joints"] = f"cannot: {'; '.join(lately.problems)}" if lately.problems else lately.words
     heading = float(live.latest().heading)
-    return Numbers(time=elapsed, cross_track_error=now.cross_track_error, heading=heading, **found)
+    return {"time": elapsed, "cross_track_error": now.cross_track_error, "heading": heading, **found}
 
 
 def numbers_text(live: Live) -> str:
@@ -82,19 +65,19 @@ def numbers_text(live: Live) -> str:
     now, tank = numbers(live), measured(live.scenario)
     kind = "mechanical" if live.latest().electrical_work is None else "electrical"
     rows = [
-        ("forward velocity (5)", _number(now.forward_velocity, "m/s", 3)),
-        ("over the last gait cycle", _number(now.cycle_velocity, "m/s", 3)),
-        (f"mean power, {kind}", _number(now.mean_power, "W", 1)),
-        ("cost of transport", _number(now.cost_of_transport, "", 2)),
-        ("cross-track error", _number(now.cross_track_error, "m", 3)),
-        ("heading", _number(math.degrees(now.heading), "deg", 1)),
+        ("forward velocity (5)", _number(now["forward_velocity"], "m/s", 3)),
+        ("over the last gait cycle", _number(now["cycle_velocity"], "m/s", 3)),
+        (f"mean power, {kind}", _number(now["mean_power"], "W", 1)),
+        ("cost of transport", _number(now["cost_of_transport"], "", 2)),
+        ("cross-track error", _number(now["cross_track_error"], "m", 3)),
+        ("heading", _number(math.degrees(now["heading"]), "deg", 1)),
     ]
     for name, value in tilt(live.latest()).items():
         if math.isfinite(value):
             rows.append((name, _number(value, "m" if name == "depth" else "deg", 2 if name == "depth" else 1)))
-    lines = [f"| since the last change | {now.time:.1f} s |", "|:--|--:|"]
+    lines = [f"| since the last change | {now['time']:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows]
-    lines += [f"| joints | {now.joints or '-'} |"]
+    lines += [f"| joints | {now['joints']} |"]
     if tank is not None:
         speed = "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
         power = "not available" if tank.mean_power is None else f"{tank.mean_power:.1f} W"

@@ -18,18 +18,17 @@ LEVEL = 1.0  # of a profile before its first and behind its last depth, to say t
 
 @value
 class Course:
-    """Where to go, apart from waypoints."""
+    """Where to go, apart from waypoints.
+
+    A circle's depths are those at its begin and after its turns; without any, depth is not steered. A path with a depth
+    needs pitch joints and the spatial model.
+    """
 
     smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
     circle: tuple[float, float, float, float] | None = quantity(
         "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
     )
-    path_depth: tuple[float, ...] | None = quantity(
-        "m",
-        "Depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
-        "none: depth is not steered. It needs pitch joints and the spatial model",
-        default=None,
-    )
+    path_depth: tuple[float, ...] | None = quantity("m", "Its depth, one for all or one per waypoint", default=None)
 
 
 @value

@@ -56,12 +56,6 @@ class Server:
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
 
-    @property
-    def n_clients(self) -> int:
-        """How many are connected."""
-        with self._lock:
-            return len(self._clients)
-
     def open(self) -> None:
         """Listen; `port` is the real one then.
 

@@ -23,18 +23,16 @@ from laticauda.simulate.numbers import UNITS
 _AT_END = 1e-6  # closer to the end of its range, in sizes, an unknown is there
 
 
+LOSS = one_among("linear", "soft_l1", "huber", "cauchy", "arctan")
+NOISE = one_among("known", "estimated")
+
+
 @value
 class Method:
     """How a fit is made."""
 
-    noise: str = option(
-        "known, or estimated: that times a factor of all", default="known", check=one_among("known", "estimated")
-    )
-    loss: str = option(
-        "How residuals count: all but linear give outliers less weight",
-        default="linear",
-        check=one_among("linear", "soft_l1", "huber", "cauchy", "arctan"),
-    )
+    noise: str = option("known, or estimated: that times a factor of all", default="known", check=NOISE)
+    loss: str = option("How residuals count: all but linear let outliers count less", default="linear", check=LOSS)
     n_starts: int = quantity("", "How many starts", default=4, ge=1)
     seed: int = quantity("", "Of the further starts", default=0, ge=0)
     confidence: float = quantity("", "Of the intervals", default=0.95, ge=0.5, le=0.9999)

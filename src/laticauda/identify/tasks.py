@@ -61,6 +61,7 @@ OPTIONS = {name.removeprefix("n_"): name for name in _METHOD}
 """Keys of the method, and the arguments of `fit` that they are."""
 Table = Mapping[str, Any]
 
+_NOISES: Any = {"default_factory": dict[str, float], "check": numbers_by_name("standard deviation")}
 PATH = {"center_of_mass": 0.005}
 """What counts of a trial unless one says otherwise: the path, as a camera sees it [m]."""
 
@@ -73,16 +74,10 @@ class TrialFile:
     columns: str | None = option("What its columns are, a TOML file, if another program wrote it", default=None)
     name: str = option("What tables call it; empty: as the file", default="")
     group: str = option("Which measurements it belongs with, see `Measurement`", default="")
-    figures: Mapping[str, float] = option(
-        "That count, with their noise", default_factory=dict[str, float], check=numbers_by_name("standard deviation")
-    )
-    series: Mapping[str, float] = option(
-        "Likewise; if none: `PATH`", default_factory=dict[str, float], check=numbers_by_name("standard deviation")
-    )
+    figures: Mapping[str, float] = option("That count, with their noise", **_NOISES)
+    series: Mapping[str, float] = option("Likewise; if none: `PATH`", **_NOISES)
     interval: float = quantity("s", "Between samples that count; closer ones' noise is hardly new", default=0.5, gt=0.0)
-    free_start: bool = option(
-        "Identify place and heading at the begin too where path or heading counts, for its noise", default=True
-    )
+    free_start: bool = option("Identify place and heading at the begin too, if either counts", default=True)
 
     @property
     def label(self) -> str:

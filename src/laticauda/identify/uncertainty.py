@@ -28,11 +28,6 @@ class Profile:
     high: float | None
     """Upper end; None as for the lower one."""
 
-    @property
-    def is_closed(self) -> bool:
-        """Whether both ends were found."""
-        return self.low is not None and self.high is not None
-
 
 def profile(found: Fit, name: str) -> Profile:
     """The values of one unknown at which the sum of squares is less than q^2 above its minimum.

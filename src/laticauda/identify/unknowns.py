@@ -51,30 +51,24 @@ class Unknown:
 
     What is None is filled in by the fit: the start from the robot and water of the measurements, the scale (log for a
     number that is greater than 0 and can never be less), the range (a hundredth to a hundred times the start on a log
-    scale, as far as the field allows it).
+    scale, as far as the field allows it), and the size (what it is, or a tenth of m, rad or m/s).
+
+    Numbers that are `tied` follow it, by name without the scope: where this one is k times what the measurements have,
+    one with the power p is k^p times that. -1 keeps the product of two: a gear's torque and speed.
 
     Raises:
         ValueError: If a field is out of its range, or they contradict each other.
     """
 
-    name: str = option(
-        "As in a sweep, or of `NUISANCE`; for some only, these before it: `eel_like.water.normal_drag`", check=label
-    )
+    name: str = option("As in a sweep, or of `NUISANCE`; for some only: `eel_like.water.normal_drag`", check=label)
     start: float | None = quantity("", "Where the search begins", default=None)
     lower: float | None = quantity("", "Least value", default=None)
     upper: float | None = quantity("", "Greatest value", default=None)
-    prior: tuple[float, float] | None = quantity(
-        "", "Mean and standard deviation of what is known of it without these measurements; None: nothing", default=None
-    )
+    prior: tuple[float, float] | None = quantity("", "Mean and deviation of what is known before", default=None)
     scale: Literal["log", "linear"] | None = option("log: errors and steps are shares of it; linear", default=None)
-    size: float | None = quantity(
-        "", "A large change on a linear scale; None: what it is, or a tenth of m, rad or m/s", default=None, gt=0.0
-    )
+    size: float | None = quantity("", "A large change on a linear scale", default=None, gt=0.0)
     tied: Mapping[str, float] = option(
-        "Other numbers that follow it, by name without the scope, each with a power p: where this one is k times what "
-        "the measurements have, that one is k^p times. -1 keeps the product of two: a gear's torque and speed",
-        default_factory=dict[str, float],
-        check=numbers_by_name("power"),
+        "Powers of numbers that follow it", default_factory=dict[str, float], check=numbers_by_name("power")
     )
 
     def __post_init__(self) -> None:

@@ -39,9 +39,8 @@ class FollowingRun:
     mechanical_power: float = quantity("W", "mechanical power, mean of sum |u phi'|")
     joules_per_meter: float = quantity("J/m", "mechanical power / forward velocity")
     figures: Mapping[str, float | None] = option("By the names of `laticauda.trial.following.FIGURES`; None: has none")
-    last_third_rms: float | None = quantity(
-        "m", "root mean square of the cycle-mean error over the last third"
-    )  # so that a limit cycle cannot pass as converged
+    # So that a limit cycle cannot pass as converged:
+    last_third_rms: float | None = quantity("m", "root mean square of the cycle-mean error over the last third")
     last_third_largest: float | None = quantity("m", "largest cycle-mean error over the last third")
     offset_swing: float = quantity("rad", "amplitude of the offset asked for over the last third")
 

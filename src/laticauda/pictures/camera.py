@@ -40,9 +40,7 @@ class Film:
     frames_per_second: float = quantity("1/s", "Pictures in a second of the film", gt=0.0, le=240.0, default=30.0)
     begin: float | None = quantity("s", "Time of the trial at which it begins; its start if left out", default=None)
     end: float | None = quantity("s", "The same of its end", default=None)
-    camera: Camera = option(
-        "`follow` turns with it, `side` is level beside it, `top` above it, `fixed` sees all", default="follow"
-    )
+    camera: Camera = option("`follow` turns with it, `side` is beside, `top` above, `fixed` sees all", default="follow")
 
     def span(self, trial: Trial) -> tuple[float, float]:
         """Where the film begins and ends in a trial [s].

@@ -11,6 +11,7 @@ import numpy as np
 
 from laticauda import extensions, packaging
 from laticauda.files import write
+from laticauda.identify.result import ParameterEstimate
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
 from laticauda.reports import chapter, texts
@@ -166,14 +167,7 @@ def _parameters(done: Validation) -> list[Row]:
         low, high = estimate.interval or (None, None)
         tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
         notes = (estimate.note.replace("`", ""), f"with it change: {tied}" if tied else "")
-        row: Row = {
-            "parameter": estimate.name,
-            "value": estimate.value if estimate.is_identified else None,
-            "unit": estimate.unit or "-",
-            "standard deviation": estimate.sigma,
-            f"{100 * found.method.confidence:g} % interval, low": low,
-            "high": high,
-        }
+        row = _value_of(estimate) | {f"{100 * found.method.confidence:g} % interval, low": low, "high": high}
         if profiles:
             row |= {"profile, low": profiles[estimate.name].low, "profile, high": profiles[estimate.name].high}
         row["prior"] = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
@@ -183,23 +177,19 @@ def _parameters(done: Validation) -> list[Row]:
     return rows
 
 
+def _value_of(one: ParameterEstimate) -> Row:
+    value = one.value if one.is_identified else None
+    return {"parameter": one.name, "value": value, "unit": one.unit or "-", "standard deviation": one.sigma}
+
+
 def _end(value: float) -> str:
     return texts.in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
 def _began(done: Validation) -> list[Row]:
     """Where single trials began, as far as it was identified."""
-    found = done.found
-    return [
-        {
-            "parameter": one.name,
-            "value": one.value if one.is_identified else None,
-            "unit": one.unit,
-            "standard deviation": one.sigma,
-        }
-        for k, one in enumerate(found.estimates)
-        if k not in found.problem.of_interest
-    ]
+    shown = done.found.problem.of_interest
+    return [_value_of(one) for k, one in enumerate(done.found.estimates) if k not in shown]
 
 
 def _directions(done: Validation) -> list[Row]:

@@ -96,7 +96,7 @@ def swim_on(
     distributed = _distributed()
     under_way: dict[Any, tuple[int, Table, int]] = {}
     finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    health = _Health(client)
+    n_threads = _counted(client)
 
     def submit(index: int, table: Table, deaths: int = 0) -> None:
         key = f"sweep-{index}-{time.time_ns()}"  # never that of another call
@@ -106,8 +106,8 @@ def swim_on(
 
     try:
         while True:
-            n_threads = health.check()
-            while len(under_way) < max(1, AHEAD * n_threads):
+            most = max(1, AHEAD * next(n_threads))
+            while len(under_way) < most:
                 try:
                     submit(*next(tables))
                 except StopIteration:
@@ -144,24 +144,16 @@ def swim_on(
             client.cancel(list(under_way), force=True)
 
 
-class _Health:
-    """Whether scheduler and workers are there."""
-
-    def __init__(self, client: Any) -> None:
-        self.client = client
-        self.seen = time.monotonic()
-
-    def check(self) -> int:
-        """Number of threads of the cluster."""
-        if self.client.status != "running":
-            raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
-        n_threads = sum(self.client.nthreads().values())
-        now = time.monotonic()
-        if n_threads:
-            self.seen = now
-        elif now - self.seen > PATIENCE:
+def _counted(client: Any) -> Iterator[int]:
+    """Number of threads of the cluster, now and again, as long as scheduler and workers are there."""
+    seen = time.monotonic()
+    while client.status == "running":
+        n_threads, now = sum(client.nthreads().values()), time.monotonic()
+        seen = now if n_threads else seen
+        if now - seen > PATIENCE:
             raise ClusterFailed(f"the cluster had no worker for {PATIENCE:g} s; start some with `dask worker`. {GO_ON}")
-        return n_threads
+        yield n_threads
+    raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
 
 
 def _swim(version: str, scenario: Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:

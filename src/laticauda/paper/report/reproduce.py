@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -15,16 +15,29 @@ import numpy as np
 from laticauda import packaging, scenarios
 from laticauda.errors import one_of, whole
 from laticauda.files import write
+from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.claims import Claim, claims, misprints
-from laticauda.paper.efficiency import EfficiencyStudy
-from laticauda.paper.path_following import PathFollowingStudy
+from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
+from laticauda.paper.path_following import PathFollowingStudy, run_path_following
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report import efficiency, experiments, path_following
+from laticauda.paper.report import efficiency, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
+from laticauda.robot import Parameters
 
-STUDIES = tuple(experiments.HALVES)
+RUNS: Mapping[str, Callable[..., Any]] = {
+    "path_following": run_path_following,
+    "efficiency": run_efficiency,
+    "side": side_trials.run_side_trials,
+}
+"""What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
+HALVES: Mapping[str, tuple[str, ...]] = {
+    "efficiency": ("efficiency", "side"),
+    "path-following": ("path_following",),
+}
+"""The studies that belong to each half of the paper."""
+STUDIES = tuple(HALVES)
 """The halves of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
@@ -42,6 +55,37 @@ COLUMNS = {
 """Of the table of claims, with the claim's fields."""
 
 Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiments:
+    """Settings of every study; by default the paper's where it has any."""
+
+    efficiency: settings.EfficiencySettings = field(default_factory=settings.efficiency_settings)
+    """Figs. 4 to 11 and Table 1."""
+    side: side_trials.SideSettings = field(default_factory=side_trials.SideSettings)
+    """Single facts that claims of the paper rest on."""
+    path_following: settings.PathFollowingSettings = field(default_factory=settings.path_following_settings)
+    """Figs. 12 to 23 and Table 2."""
+
+
+def paper_experiments(parameters: Parameters | None = None) -> Experiments:
+    """The settings of a whole reproduction.
+
+    Args:
+        parameters: Coefficients to use instead of the paper's, and what they change about the robots; the efficiency
+            study keeps the paper's, with the robots as they are, beside them. None takes the paper's.
+    """
+    usual = Experiments()
+    if parameters is None:
+        return usual
+    given = runs.Coefficients.of(parameters)
+    others = [one for one in usual.efficiency.models if one.name != given.name]
+    return Experiments(
+        efficiency=replace(usual.efficiency, models=(given, *others)),
+        side=replace(usual.side, coefficients=given),
+        path_following=replace(usual.path_following, coefficients=given),
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,7 +112,7 @@ class _Done(NamedTuple):
 
 def reproduce(
     folder: str | Path,
-    settings: experiments.Experiments | None = None,
+    settings: Experiments | None = None,
     *,
     only: str | None = None,
     model: scenarios.Model | str = "planar",
@@ -103,10 +147,10 @@ def reproduce(
     whole("workers", workers, 1)
     folder = writable_folder(folder)
     report = paper_templates().get_template("report.html")
-    settings = settings or experiments.Experiments()
+    settings = settings or Experiments()
     by = scenarios.model_of(model, **changes)
     how = scenarios.settings_of(by)
-    names = [name for name in experiments.RUNS if only is None or name in experiments.HALVES[only]]
+    names = [name for name in RUNS if only is None or name in HALVES[only]]
     do = partial(_do, settings, by, folder, repeats)
     done = _run(do, names, workers, progress)
     results = {name: part.study for name, part in done.items()}
@@ -228,7 +272,7 @@ def _run(
 
 
 def _do(
-    settings: experiments.Experiments,
+    settings: Experiments,
     model: scenarios.Model,
     folder: Path,
     repeats: Sequence[Repeat],
@@ -237,7 +281,7 @@ def _do(
 ) -> _Done:
     """Run one study and write its part of the folder."""
     what = name.replace("_", " ")
-    study = experiments.RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
+    study = RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
     if name not in CHAPTERS:
         return _Done(study, [], "")
     more = {"repeats": repeats} if name == "efficiency" else {}
