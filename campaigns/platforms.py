@@ -1,7 +1,8 @@
 """Do FMUs for other platforms swim as Python does?
 
 Question: one FMU for all platforms is written here. A small program in C (platforms.c) loads the library of each, lets
-it swim 30 s of Mamba, and prints all variables after every 0.05 s. How far is that from `lc.swim`?
+it swim 30 s of Mamba, and prints all variables after every 0.05 s. How far is that from `lc.swim`? And the program of
+the page on `export c`, linked for Linux on ARM into one file that needs nothing?
 
     python campaigns/platforms.py           # beside the stored answer; what is missing here is said, and left out
     python campaigns/platforms.py --write   # writes platforms.csv
@@ -14,6 +15,7 @@ import argparse
 import csv
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -28,9 +30,10 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 
 import laticauda as lc
-from laticauda.cosim import export_fmu
+from laticauda.cosim import export_c, export_fmu
 from laticauda.cosim.native.platforms import PLATFORMS, compiler
 from laticauda.fluid import DragLaw
+from laticauda.interfaces import Command
 from laticauda.quantities import quantity, value
 from laticauda.scalars import magnitude
 
@@ -39,6 +42,8 @@ DRIVER = Path(__file__).with_suffix(".c")
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
 DURATION, INTERVAL = 30.0, 0.05  # s
 BOUND = 1e-12  # m, rad, m/s, N m and J
+PAGE = Path(__file__).parent.parent / "docs" / "how-to" / "c-library.md"
+IN_C = "the program in C"
 RUNNERS = {"linux64": (), "aarch64": ("qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"), "win64": ("wine",)}
 VECTORS = ("center_of_mass", "center_of_mass_velocity", "link_angle", "joint_angle", "joint_angle_ref", "joint_torque")
 
@@ -127,6 +132,30 @@ def answers(platforms: list[str]) -> Iterator[Answer]:
             for one in platforms:
                 worst = error(scenario, one, fmu, programs[one]) if one in programs else math.nan
                 yield Answer(platform=one, case=case, error=worst)
+        yield Answer(platform="aarch64", case=IN_C, error=in_c(folder) if "aarch64" in programs else math.nan)
+
+
+def in_c(folder: Path) -> float:
+    """How far the program of the page on `export c` ends from the same run in Python [m, rad]."""
+    (code,) = re.findall(
+        r'^```c title="main.c"\n(.*?)^```$', PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    (folder / "main.c").write_text(code, encoding="utf-8")
+    gait, water = replace(GAIT, frequency=math.radians(90)), lc.load_water("paper-lateral")
+    export_c(folder / "snake.h", "mamba-fin", gait, static=True, platform="aarch64")
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "aarch64-linux-musl"]
+    subprocess.run([*zig, "main.c", "libsnake.a", "-o", "main"], cwd=folder, check=True)
+    done = subprocess.run([RUNNERS["aarch64"][0], "./main"], cwd=folder, capture_output=True, text=True, check=True)
+    body: Any = lc.plant(lc.load_robot("mamba-fin"), replace(water, normal_drag=1.5))
+    gait = replace(gait, amplitude=0.5)
+    state = body.init(lc.Start(), Command(gait=gait))
+    for k in range(600):
+        now = Command(gait=gait if k < 200 else replace(gait, offset=0.1))
+        state, _, _ = body.march(state, now, INTERVAL, INTERVAL)
+    seen = body.observe(state)
+    return max(
+        abs(float(a) - b) for a, b in zip(done.stdout.split(), (*seen.center_of_mass, seen.heading), strict=True)
+    )
 
 
 def stored() -> list[Answer]:

@@ -61,6 +61,13 @@ def test_an_exported_fmu_takes_parameters_and_references(run, folder):
     }
 
 
+def test_a_library_in_c_is_written_beside_its_header(run, folder):
+    done = run("export c robot.h --robot mamba-fin --heading-deg 90 --joints servo --inputs references --static --json")
+    assert json.loads(done.out)["n_inputs"] == 10
+    assert sorted(file.name for file in folder.iterdir()) == ["librobot.a", "robot.h"]
+    assert "double references[8];" in (folder / "robot.h").read_text()
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -75,14 +82,17 @@ def test_an_exported_fmu_takes_parameters_and_references(run, folder):
         ("export mjcf robot.xml --robot mambo", "did you mean"),
         ("export fmu", "Missing from laticauda export fmu"),
         ("export fmu robot.zip", "OUTPUT must be a file that ends in .fmu, got robot.zip."),
-        ("export fmu robot.fmu --ground coulomb", "--ground must not be given: the robot in an FMU swims in water."),
+        ("export fmu robot.fmu --ground coulomb", "--ground must not be given: the exported robot swims in water."),
         ("export fmu robot.fmu --model spatial", "--model must be `planar`: the spatial model needs MuJoCo"),
         (
             "export fmu robot.fmu --inputs references",
             "--inputs must be 'gait' for prescribed joints, which cannot jump",
         ),
+        ("export fmu robot.fmu --platform linux64,vax", "--platform must be one of `linux64`, "),
+        ("export c robot.c", "OUTPUT must be a file that ends in .h, got robot.c."),
+        ("export c robot.h --platform vax", "--platform must be one of `linux64`, "),
         ("export fmu robot.fmu --normal-drag -1", "--normal-drag must be >= 0, got -1"),
-        ("export", "Expected one of {mjcf, urdf, fmu}."),
+        ("export", "Expected one of {mjcf, urdf, fmu, c}."),
     ],
 )
 def test_bad_input_is_refused_by_name(run, folder, line, message):

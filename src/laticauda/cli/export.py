@@ -3,13 +3,16 @@
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
+
+if TYPE_CHECKING:
+    from laticauda.cosim.native.variables import Variable
 
 OUTPUT = "The file to write; an older one is replaced"
 
@@ -69,26 +72,14 @@ class Mjcf(Urdf):
 
 
 @value
-class Fmu(OfScenario):
-    """Write a robot in water to an FMU (co-simulation) that runs without Python.
-
-    Its inputs are the gait's numbers or the references of the joints, and the current; its outputs motion, torques and
-    power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write,
-    and for other platforms than this one the package ziglang.
-
-    For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
-    """
+class Compiled(OfScenario):
+    """A robot in water as machine code."""
 
     output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
-    fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
-    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=())
-    author: str | None = option("Who made the model, as the FMU says it", default=None)
-    model_version: str | None = option("Of the model; laticauda's if left out", default=None)
-    license: str = option("Of the model", default="MIT")
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "Fmu":
+    def read(cls, words: Sequence[str], prog: str) -> Any:
         """The command that was typed; see `OfScenario.read`."""
         names = Names.read(words, prog)
         scenario, _ = names.scenario([])  # the file that comes first is the output
@@ -98,18 +89,74 @@ class Fmu(OfScenario):
         """Write the file."""
         scenario = self.chosen
         if not isinstance(scenario.environment, lc.Water):
-            raise BadArgument("ground", "must not be given: the robot in an FMU swims in water")
+            raise BadArgument("ground", "must not be given: the exported robot swims in water")
         if not isinstance(scenario.model, lc.Planar):
-            raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not in the FMU")
-        from laticauda.cosim.fmu import export_fmu
-
+            raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not exported")
         warn_of_compiling(scenario.environment, scenario.model)
-        settings: Any = {name: getattr(self, name) for name in ("inputs", "fmi", "author", "model_version", "license")}
-        variables = export_fmu(self.output, scenario, platforms=self.platform, **settings)
+        variables = self.write(scenario)
         found = Counter(one.causality for one in variables)
         count = {f"{kind}s": found[kind] for kind in ("parameter", "input", "output")}
         words = ", ".join(f"{number} {kind}" for kind, number in count.items())
         return _outcome(self.output, scenario.robot, words, **{f"n_{kind}": number for kind, number in count.items()})
+
+    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
+        """Write the file.
+
+        Args:
+            scenario: What it is to hold.
+        """
+        raise NotImplementedError
+
+
+@value
+class Fmu(Compiled):
+    """Write a robot in water to an FMU (co-simulation) that runs without Python.
+
+    Its inputs are the gait's numbers or the references of the joints, and the current; its outputs motion, torques and
+    power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write,
+    and for other platforms than this one the package ziglang.
+
+    For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
+    """
+
+    fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
+    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=())
+    author: str | None = option("Who made the model, as the FMU says it", default=None)
+    model_version: str | None = option("Of the model; laticauda's if left out", default=None)
+    license: str = option("Of the model", default="MIT")
+
+    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
+        """Write the file; see `Compiled.write`."""
+        from laticauda.cosim.fmu import export_fmu
+
+        settings: Any = {name: getattr(self, name) for name in ("inputs", "fmi", "author", "model_version", "license")}
+        return export_fmu(self.output, scenario, platforms=self.platform, **settings)
+
+
+@value
+class C(Compiled):
+    """Write a robot in water to a library in C that runs without Python, and a header that says what is in it.
+
+    For robots' own computers, and for whatever can call C. The header names the variables, their units and ranges; they
+    are those of an FMU. It takes a C compiler to write, and for other platforms than this one the package ziglang.
+
+    For example: laticauda export c mamba.h --robot mamba-fin --platform aarch64 --static
+    """
+
+    output: Annotated[flags.Output, flags.Written((".h",))] = option(
+        "The header to write; the library is beside it (.h)", default=""
+    )
+    platform: str | None = option(
+        "linux64, aarch64 (Linux), win64, darwin-arm64, darwin-x86-64; this machine's if left out", default=None
+    )
+    static: bool = option("Write a static library instead of a shared one", default=False)
+
+    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
+        """Write the files; see `Compiled.write`."""
+        from laticauda.cosim.native.library import export_c
+
+        settings: Any = {name: getattr(self, name) for name in ("inputs", "platform", "static")}
+        return export_c(self.output, scenario, **settings)
 
 
 def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:

@@ -1,8 +1,9 @@
 """The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
 
-The door to numba-cuda; nothing else knows it. A run's rows are one column of an array, so that neighboring threads read
-neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications and additions in its own
-way: results agree with the processor's to rounding, not to the last digit.
+Experimental: only numba-cuda's simulator has run them. The door to numba-cuda; nothing else knows it. A run's rows are
+one column of an array, so that neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and
+its compiler fuses multiplications and additions in its own way: results agree with the processor's to rounding, not to
+the last digit.
 """
 
 # pyright: basic

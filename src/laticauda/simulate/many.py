@@ -96,8 +96,8 @@ def swim_many(
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
-        device: cpu, or cuda for a GPU, one planar trial per thread of it: it needs the extra `gpu`, and pays for
-            thousands of trials.
+        device: cpu, or cuda for a GPU (experimental), one planar trial per thread of it: it needs the extra `gpu`, and
+            pays for thousands of trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
         changes: Of the model, see `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but
             takes its lanes one by one.

@@ -157,7 +157,7 @@ def test_without_zig_another_platform_says_what_to_install(monkeypatch):
 
 def test_what_cannot_be_linked_says_what_the_compiler_said(tmp_path):
     (tmp_path / "wrong.c").write_text("this is no C\n")
-    with pytest.raises(platforms.LinkingFailed, match=r"(?s)cannot link a library for .* It says:.*wrong.c"):
+    with pytest.raises(platforms.LinkingFailed, match=r"(?s)cannot make a library for .* It says:.*wrong.c"):
         linked(code_for(platform_of().name), platform_of(), [tmp_path / "wrong.c"])
 
 

@@ -217,7 +217,11 @@ def compiler(platform: Platform) -> list[str]:
 
 
 def linked(
-    code: bytes, platform: Platform, sources: Sequence[Path] = (), headers: Mapping[str, str] | None = None
+    code: bytes,
+    platform: Platform,
+    sources: Sequence[Path] = (),
+    headers: Mapping[str, str] | None = None,
+    static: bool = False,
 ) -> bytes:
     """A shared library; for a browser, a module of WebAssembly.
 
@@ -229,6 +233,7 @@ def linked(
         platform: Where it will run.
         sources: Files in C that belong to it.
         headers: Name and text of headers that they include.
+        static: Whether to make a static library instead.
 
     Raises:
         MissingProgram, MissingExtra: If there is no C compiler for it.
@@ -240,12 +245,18 @@ def linked(
         for header, text in (headers or {}).items():
             (folder / header).write_text(text, encoding="utf-8")
         (folder / "kernels.o").write_bytes(code)
-        command = [*chosen, *shlex.split(f"{FLAGS} {platform.system.linking}"), f"-I{folder}", *map(str, sources)]
-        command += [str(folder / "kernels.o"), "-lm", "-o", str(folder / "library")]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode != 0:
-            said = "\n".join((done.stderr or done.stdout).splitlines()[:8])
-            raise LinkingFailed(f"`{' '.join(chosen)}` cannot link a library for {platform.pair}. It says:\n{said}")
+        parts = [*shlex.split(FLAGS), "-I.", *map(str, sources)]
+        linking = [*parts, *shlex.split(platform.system.linking), "kernels.o", "-lm", "-o", "library"]
+        objects = ["kernels.o", *(f"{source.stem}.o" for source in sources)]
+        archiver = [sys.executable, "-m", "ziglang", "ar"] if "ziglang" in chosen else ["ar"]
+        both = [[*chosen, "-c", *parts], [*archiver, "rcs", "library", *objects]]
+        for command in both if static else [[*chosen, *linking]]:
+            done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
+            if done.returncode != 0:
+                said = "\n".join((done.stderr or done.stdout).splitlines()[:8])
+                raise LinkingFailed(
+                    f"`{' '.join(command[:4])} ...` cannot make a library for {platform.pair}. It says:\n{said}"
+                )
         return (folder / "library").read_bytes()
 
 

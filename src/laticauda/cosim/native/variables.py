@@ -221,12 +221,13 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
 
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
     """Counted as in `Robot.fin_joints`."""
-    for k in plant.robot.fin_joints:
-        b = _record(plant.layout.tail_link - k)
+    records = {k: _record(plant.layout.tail_link - k) for k in plant.robot.fin_joints}
+    for k, b in records.items():
         yield _output(f"fin_angle[{k}]", "rad", "phi_j", "Angle of a joint of the fin.", (b + rows.ANGLE, 1.0))
+    for k, b in records.items():
         yield _output(f"fin_rate[{k}]", "rad/s", "phi'_j", "Its rate.", (b + rows.RATE, 1.0))
-        if k == 0:
-            yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (b + rows.TORQUE, 1.0))
+    if 0 in records:
+        yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (records[0] + rows.TORQUE, 1.0))
 
 
 def _power(plant: PlanarPlant) -> Iterator[Variable]:
