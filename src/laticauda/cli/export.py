@@ -146,9 +146,7 @@ class C(Compiled):
     output: Annotated[flags.Output, flags.Written((".h",))] = option(
         "The header to write; the library is beside it (.h)", default=""
     )
-    platform: str | None = option(
-        "linux64, aarch64 (Linux), win64, darwin-arm64, darwin-x86-64; this machine's if left out", default=None
-    )
+    platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=None)
     static: bool = option("Write a static library instead of a shared one", default=False)
 
     def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":

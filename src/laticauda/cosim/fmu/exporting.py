@@ -16,7 +16,7 @@ from uuid import UUID
 import laticauda as lc
 from laticauda import extensions, files
 from laticauda.cosim.fmu import description
-from laticauda.cosim.native.platforms import compiler, linked, object_code, platforms_of, universal
+from laticauda.cosim.native.platforms import linked, object_codes, platforms_of, universal
 from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
 from laticauda.errors import BadArgument, one_of
@@ -74,13 +74,8 @@ def export_fmu(
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
     one_of("fmi", fmi, description.VERSIONS)
     wanted = platforms_of(platforms)
-    if any(not one.folder for one in wanted):
-        raise BadArgument("platforms", "must not hold `wasm32`: there are no FMUs for browsers")
     tables = tables_for(robot, gait, inputs, **changes)
-    for one in wanted:
-        compiler(one)  # before the kernels, which take seconds
-    body = tables.plant
-    codes = [object_code(body.law, body.joints, body.flow.kinds, one) for one in wanted]
+    codes = object_codes(tables.plant, wanted)
     words = description.Description(
         identifier=identifier(file.stem),
         robot=tables.words,
@@ -94,11 +89,11 @@ def export_fmu(
     content += b"".join(part.read_bytes() for part in sorted(FOLDER.iterdir()))
     guid = f"{{{UUID(hashlib.sha256(content).hexdigest()[:32])}}}"  # a digest of all that it is made of
     sources, headers = (FOLDER / f"fmi{fmi[0]}.c",), {"tables.h": tables_in_c(tables, guid)}
-    libraries: dict[str, list[bytes]] = {}
+    libraries: dict[str, list[tuple[bytes, bytes]]] = {}
     for one, code in zip(wanted, codes, strict=True):
         folder = one.folder if fmi == "2.0" else one.pair
         name = f"binaries/{folder}/{words.identifier}{one.system.ending}"
-        libraries.setdefault(name, []).append(linked(code, one, sources, headers))
+        libraries.setdefault(name, []).append((code, linked(code, one, sources, headers)))
     parts = {
         "modelDescription.xml": words.model_description(guid, _now()),
         **{name: universal(some) for name, some in libraries.items()},

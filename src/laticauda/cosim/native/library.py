@@ -11,7 +11,7 @@ from typing import Unpack
 import laticauda as lc
 from laticauda import files
 from laticauda.cosim.native import entry
-from laticauda.cosim.native.platforms import FOLDER, compiler, linked, object_code, platform_of
+from laticauda.cosim.native.platforms import FOLDER, linked, object_codes, platforms_of, universal
 from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
 from laticauda.errors import BadArgument
@@ -39,8 +39,7 @@ def export_c(
         robot: As for `export_fmu`.
         gait: As for `export_fmu`.
         inputs: As for `export_fmu`.
-        platform: Where it is to run: linux64, aarch64 (Linux), win64, darwin-arm64, darwin-x86-64; on machines like
-            this one if left out.
+        platform: Where it is to run: linux64, aarch64 (Linux), win64, darwin; on machines like this one if left out.
         static: Whether to write a static library instead of a shared one.
         changes: As for `export_fmu`.
 
@@ -52,21 +51,18 @@ def export_c(
         MissingProgram, MissingExtra: If there is no C compiler for that platform.
         LinkingFailed: If it fails.
     """
-    file, where = Path(path), platform_of(platform or "")
+    file, wanted = Path(path), platforms_of([platform] if platform else [], "platform")
     if file.suffix.lower() != ".h":
         raise BadArgument("path", f"must be a file that ends in .h, got {path}")
-    if not where.folder:
-        raise BadArgument("platform", "must not be `wasm32`: a browser calls no C")
-    compiler(where)  # before the kernels, which take seconds
     tables = tables_for(robot, gait, inputs, **changes)
-    body, name = tables.plant, identifier(file.stem)
+    name, sources = identifier(file.stem), [FOLDER / "library.c"]
     header = header_of(tables, name)
     own = [f"#define {word} {name.upper()}_{word}" for word in STATUS]
     own += [f"#define ROBOT {name}", f"#define FUNCTION(what) {name}_##what"]
     headers = {"tables.h": tables_in_c(tables, name), "header.h": "\n".join((header, *own, ""))}
-    code = object_code(body.law, body.joints, body.flow.kinds, where)
-    made = linked(code, where, [FOLDER / "library.c"], headers, static=static)
-    files.write(file.with_name(f"lib{file.stem}{'.a' if static else where.system.ending}"), made)
+    codes = zip(object_codes(tables.plant, wanted), wanted, strict=True)
+    made = universal([(code, linked(code, one, sources, headers, static=static)) for code, one in codes])
+    files.write(file.with_name(f"lib{file.stem}{'.a' if static else wanted[0].system.ending}"), made)
     files.write(file, header.encode())
     return tables.variables
 

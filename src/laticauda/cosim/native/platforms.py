@@ -32,7 +32,7 @@ from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingP
 from laticauda.files import write
 from laticauda.fluid.laws import DragLaw
 from laticauda.formulas import Formula
-from laticauda.planar.model import specialize
+from laticauda.planar.model import PlanarPlant, specialize
 
 FOLDER = Path(__file__).parent / "c"
 COMPILERS = ("cc", "gcc", "clang")
@@ -122,19 +122,20 @@ def platform_of(name: str = "") -> Platform:
     return own
 
 
-def platforms_of(names: Sequence[str] = ()) -> tuple[Platform, ...]:
+def platforms_of(names: Sequence[str] = (), argument: str = "platforms") -> list[Platform]:
     """Platforms by their names, in our order; `darwin` means both kinds of Mac, no name the platform of this machine.
 
     Args:
-        names: Of `PLATFORMS`, or darwin.
+        names: Of `PLATFORMS`, but for that of browsers.
+        argument: Whose names they are, in messages.
 
     Raises:
         ValueError: If there is none of a name.
     """
+    libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
-        one_of("platforms", name, [*PLATFORMS, DARWIN.name])
-    found = [one for one in PLATFORMS.values() if one.name in names or one.system.name in names]
-    return tuple(found) or (platform_of(),)
+        one_of(argument, name, [*(one.name for one in libraries), DARWIN.name])
+    return [one for one in libraries if one.name in names or one.system.name in names] or [platform_of()]
 
 
 def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platform: Platform) -> bytes:
@@ -151,6 +152,21 @@ def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platf
     """
     whole = functools.partial(_kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow))
     return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: _emitted(whole(), platform))
+
+
+def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[bytes]:
+    """The object files of `object_code` for what swims, if what links them is there.
+
+    Args:
+        plant: Whose laws are compiled.
+        platforms: Where it will swim.
+
+    Raises:
+        MissingProgram, MissingExtra, ValueError: As `compiler` and `object_code`.
+    """
+    for one in platforms:
+        compiler(one)  # before the kernels, which take seconds
+    return [object_code(plant.law, plant.joints, plant.flow.kinds, one) for one in platforms]
 
 
 def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], ending: str) -> Path:
@@ -260,16 +276,15 @@ def linked(
         return (folder / "library").read_bytes()
 
 
-def universal(libraries: Sequence[bytes]) -> bytes:
+def universal(parts: Sequence[tuple[bytes, bytes]]) -> bytes:
     """One library for macOS of several, each for other processors; of a single one, that one.
 
     Args:
-        libraries: Files of the format Mach-O.
+        parts: Machine code and library of each.
     """
-    if len(libraries) == 1:
-        return libraries[0]
-    head, body = struct.pack(">2I", 0xCAFEBABE, len(libraries)), b""
-    for one in libraries:
-        head += one[7:3:-1] + one[11:7:-1] + struct.pack(">3I", len(body) + _PAGE, len(one), _PAGE.bit_length() - 1)
-        body += one + bytes(-len(one) % _PAGE)
-    return head.ljust(_PAGE, b"\0") + body
+    head, body = struct.pack(">2I", 0xCAFEBABE, len(parts)), b""
+    for code, library in parts:
+        place = struct.pack(">3I", len(body) + _PAGE, len(library), _PAGE.bit_length() - 1)
+        head += code[7:3:-1] + code[11:7:-1] + place  # which processors, as the machine code has it
+        body += library + bytes(-len(library) % _PAGE)
+    return parts[0][1] if len(parts) == 1 else head.ljust(_PAGE, b"\0") + body

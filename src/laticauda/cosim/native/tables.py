@@ -93,18 +93,11 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
     n = a.n_bodies
     freedom = (a.law >= rows.FIRST_FREE).astype(int)
     packed = _Packed(template)
-    packed.header[entry.N_BODIES] = n
-    packed.header[entry.TAIL_LINK] = a.tail_link
-    packed.header[entry.HAS_EXTRAS] = a.has_extras
-    packed.header[entry.IS_IMPLICIT] = plant.is_implicit
-    packed.header[entry.N_ROWS] = template.size
-    packed.header[entry.DT] = number["dt"]
-    packed.header[entry.HEADING] = number["start.heading"]
-    packed.header[entry.VELOCITY] = number["start.velocity"]
-    packed.header[entry.FIRST_STRIP] = packed.add(a.first_strip)
-    packed.header[entry.FIRST_PLATE] = packed.add(a.first_plate)
+    shape = n, a.tail_link, int(a.has_extras), int(plant.is_implicit), template.size
+    told = (number[name] for name in ("dt", "start.heading", "start.velocity"))
     # In front of the joint laws, how many there are; behind them, which joints are free.
-    packed.header[entry.LAW] = packed.add([n, *a.law, *freedom]) + 1
+    chains = packed.add(a.first_strip), packed.add(a.first_plate), packed.add([n, *a.law, *freedom]) + 1
+    packed.header[: entry.TERMS] = *shape, *told, *chains  # in the order of `entry`
     packed.piece(entry.TERMS, terms)
     packed.piece(entry.SLOPES, slopes)
     first = [(i, *share) for i, variable in enumerate(variables) for share in variable.start_rows]

@@ -108,6 +108,14 @@ def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, fl
     return Variable(name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares)
 
 
+def _outputs(
+    name: str, unit: str, symbol: str, text: str, row: int, records: Sequence[tuple[int, int]]
+) -> Iterator[Variable]:
+    """The same row of several records, each with its number."""
+    for i, b in records:
+        yield _output(f"{name}[{i}]", unit, symbol, text.format(i), (b + row, 1.0))
+
+
 def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
     text, (x, y), anywhere = "Where the center of mass is at the start.", start.center_of_mass, (-FAR, FAR)
     yield _parameter("start.x", "m", "p_x", x, anywhere, text, rows.X)
@@ -205,29 +213,24 @@ def _links(plant: PlanarPlant) -> Iterator[Variable]:
 
 def _joints(plant: PlanarPlant) -> Iterator[Variable]:
     records = [*enumerate(_records(plant))]
-    for i, b in records:
-        yield _output(f"joint_angle[{i}]", "rad", "phi_i", f"Angle of joint {i}.", (b + rows.ANGLE, 1.0))
-    for i, b in records:
-        yield _output(f"joint_rate[{i}]", "rad/s", "phi'_i", f"Rate of joint {i}.", (b + rows.RATE, 1.0))
+    yield from _outputs("joint_angle", "rad", "phi_i", "Angle of joint {}.", rows.ANGLE, records)
+    yield from _outputs("joint_rate", "rad/s", "phi'_i", "Rate of joint {}.", rows.RATE, records)
     for i, b in records:
         # What the gait asks for; the kernel's own reference is what prescribed joints do of it.
         share = plant.robot.joints[i].actuator.tracking if plant.joints.prescribed else 1.0
         rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
         text = f"Angle that joint {i} is asked for."
         yield _output(f"joint_angle_ref[{i}]", "rad", "phi_i,ref", text, (b + rows.REFERENCE, 1.0 / share), *rest)
-    for i, b in records:
-        yield _output(f"joint_torque[{i}]", "N.m", "u_i", f"Torque of the drive of joint {i}.", (b + rows.TORQUE, 1.0))
+    yield from _outputs("joint_torque", "N.m", "u_i", "Torque of the drive of joint {}.", rows.TORQUE, records)
 
 
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
     """Counted as in `Robot.fin_joints`."""
-    records = {k: _record(plant.layout.tail_link - k) for k in plant.robot.fin_joints}
-    for k, b in records.items():
-        yield _output(f"fin_angle[{k}]", "rad", "phi_j", "Angle of a joint of the fin.", (b + rows.ANGLE, 1.0))
-    for k, b in records.items():
-        yield _output(f"fin_rate[{k}]", "rad/s", "phi'_j", "Its rate.", (b + rows.RATE, 1.0))
-    if 0 in records:
-        yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (records[0] + rows.TORQUE, 1.0))
+    records = [(k, _record(plant.layout.tail_link - k)) for k in plant.robot.fin_joints]
+    yield from _outputs("fin_angle", "rad", "phi_j", "Angle of a joint of the fin.", rows.ANGLE, records)
+    yield from _outputs("fin_rate", "rad/s", "phi'_j", "Its rate.", rows.RATE, records)
+    for _, b in records[:1] if 0 in plant.robot.fin_joints else ():
+        yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (b + rows.TORQUE, 1.0))
 
 
 def _power(plant: PlanarPlant) -> Iterator[Variable]:
