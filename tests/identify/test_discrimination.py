@@ -10,7 +10,7 @@ from identify.trials import DRAG, FRICTION, ROBOT
 import laticauda as lc
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.identify import Unknown, fit
-from laticauda.identify.candidates import from_tow, towed
+from laticauda.identify.candidates import from_tow
 from laticauda.identify.discrimination import discriminate, wrong
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
@@ -23,8 +23,8 @@ PRIOR = Unknown(name=DRAG, prior=(BOOK.normal_drag, 0.2 * BOOK.normal_drag))
 
 
 def rival(water, *tows, wanted=(FRICTION, PRIOR)):
-    candidates = [towed(ROBOT, water, tow, misalignment=0.0) for tow in tows]
-    return make_problem([candidates[0].measurement], list(wanted), threads=1), candidates
+    candidates = [from_tow(ROBOT, water, tow, misalignment=0.0) for tow in tows]
+    return make_problem(candidates[:1], list(wanted), threads=1), candidates
 
 
 STRAIGHT, OBLIQUE, STEEP = Tow(speed=0.4), Tow(speed=0.4, angle=math.radians(15)), Tow(speed=0.4, angle=1.2)
@@ -45,13 +45,13 @@ def test_a_second_tow_at_another_angle_tells_more_than_the_same_one_again_where_
     free = (FRICTION, Unknown(name=DRAG))
     rivals = {f"beta {beta:g}": rival(water, OBLIQUE, STEEP, wanted=free) for beta, water in BETAS.items()}
     found = discriminate(rivals, 2)
-    assert {one.measurement.tow.angle for one, _ in found.steps} == {OBLIQUE.angle, STEEP.angle}
+    assert {one.tow.angle for one, _ in found.steps} == {OBLIQUE.angle, STEEP.angle}
     assert np.all(found.steps[1][1] >= found.steps[0][1] - 1e-6)
 
 
 def test_the_distance_is_how_much_worse_the_rival_fits_in_the_worse_of_two_ways():
     rivals = {f"beta {beta:g}": rival(BETAS[beta], OBLIQUE) for beta in (0.5, 0.0)}
-    first, second = (candidates[0].measurement for _, candidates in rivals.values())
+    first, second = (candidates[0] for _, candidates in rivals.values())
     squares = []
     for true, other in ((first, second), (second, first)):
         loads = {what: (pair[0], first.figures[what][1]) for what, pair in true.figures.items()}
@@ -98,4 +98,4 @@ def test_bad_input_is_named():
     with pytest.raises(ValueError, match=r"`environment` must be of class Water"):
         from_tow(ROBOT, lc.load_ground("coulomb"), STRAIGHT)
     with pytest.raises(ValueError, match=r"`figures` of `tow` must be one of `drag`"):
-        replace(towed(ROBOT, BOOK, STRAIGHT).measurement, name="tow", figures={"forward_velocity": (1.0, 0.1)})
+        replace(from_tow(ROBOT, BOOK, STRAIGHT), name="tow", figures={"forward_velocity": (1.0, 0.1)})

@@ -13,11 +13,12 @@ from laticauda.cli.flags import File, Picture, Place, Words
 from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
-from laticauda.identify import measurements, tasks
-from laticauda.identify.candidates import SENSORS, Candidate, coast_down, swims, towed
-from laticauda.identify.design import Design, design, known_from
-from laticauda.identify.discrimination import Discrimination, Judged, discriminate, wrong
+from laticauda.identify import tasks
+from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swims
+from laticauda.identify.design import Design, Judged, design, known_from
+from laticauda.identify.discrimination import Discrimination, discriminate, wrong
 from laticauda.identify.identifiability import LIMIT, marginal
+from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.unknowns import Unknown
 from laticauda.quantities import option, quantity, value
@@ -111,9 +112,9 @@ class DesignExperiment(Command):
         said = tank_day.facts(found) | {"output": str(folder / "result"), "files": files}
         return Outcome(facts=said, text=f"{tank_day.words(found)}\n\n{folder / 'result'}: {', '.join(files)}")
 
-    def _rivals(self) -> dict[str, tuple[Problem, list[Candidate]]]:
+    def _rivals(self) -> dict[str, tuple[Problem, list[Measurement]]]:
         """By name of the water or parameter file, the same candidates as each has them."""
-        found: dict[str, tuple[Problem, list[Candidate]]] = {}
+        found: dict[str, tuple[Problem, list[Measurement]]] = {}
         for name in self.unknowns.rivals:
             of = "water" if name in (*water_names(), TEXTBOOK) else "base"
             one = replace(self, **{of: name})
@@ -134,9 +135,9 @@ class DesignExperiment(Command):
             raise BadArgument("parameters", "must name at least one number to identify, as water.normal_drag, got none")
         swims = self._swims()
         problem = make_problem(
-            [one.measurement for one in swims],
+            swims,
             [_unknown(word) for word in self.unknowns.parameters],
-            joints=self._names.resolved(swims[0].measurement.scenario.gait).model.joints,
+            joints=self._names.resolved(swims[0].scenario.gait).model.joints,
             threads=self.candidates.threads,
         )
         return problem.without_starts, {}
@@ -145,12 +146,12 @@ class DesignExperiment(Command):
     def _names(self) -> scenarios.Choice:
         return scenarios.Choice(robot=self.robot or "mamba", water=self.water, parameters=self.base, joints=self.joints)
 
-    def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Candidate]:
+    def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Measurement]:
         """A candidate per gait and robot: those of a fit, or what the names stand for."""
         flags = self.candidates
         kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
         robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
-        found: list[Candidate] = []
+        found: list[Measurement] = []
         for a, f, p, kind in product(flags.amplitudes, flags.frequencies, flags.phase_shifts, kinds):
             gait = gaits.Gait(envelope=gaits.Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p)
             waters = [one.environment for one in fitted if one.gait.kind == gait.kind and self.base is None]
@@ -160,14 +161,14 @@ class DesignExperiment(Command):
                 found += swims(chosen.robot, [gait], where, _sensors(flags.sensors), duration=flags.duration)
         return found
 
-    def _candidates(self, put: Problem) -> list[Candidate]:
+    def _candidates(self, put: Problem) -> list[Measurement]:
         flags, swum = self.candidates, self._swims(put.scenarios)
         found = [] if flags.no_swims else swum
-        for one in {one.measurement.scenario.robot.name: one.measurement.scenario for one in reversed(swum)}.values():
+        for one in {one.scenario.robot.name: one.scenario for one in reversed(swum)}.values():
             where = one.robot, one.environment
             if not flags.no_tow:
                 tows = product(flags.tow, flags.tow_angles)
-                found = [*found, *(towed(*where, measurements.Tow(speed=v, angle=angle)) for v, angle in tows)]
+                found = [*found, *(from_tow(*where, Tow(speed=v, angle=angle)) for v, angle in tows)]
                 found += [coast_down(*where, v) for v in flags.coast_down]
         return found
 
@@ -182,7 +183,7 @@ def _unknown(word: str) -> Unknown:
 def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     found: dict[str, float] = {}
     for word in words:
-        usual = SENSORS.get(word, ("", "", 0.0))[2]
+        usual = SENSORS.get(word, ("", 0.0))[1]
         name, _, (sigma,) = numbers("sensors", word, SENSOR_FORM) if "=" in word else (word, "", [usual])
         if name not in SENSORS or not sigma > 0.0:
             raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}")
@@ -195,7 +196,7 @@ def _by_name(names: Iterable[str], found: Iterable[float]) -> dict[str, float | 
 
 
 def _listed(key: str, names: Sequence[str], judged: Iterable[Judged]) -> list[dict[str, Any]]:
-    return [{"trial": one.name, "kind": one.kind, key: _by_name(names, found)} for one, found in judged]
+    return [{"trial": one.name, "kind": one.group, key: _by_name(names, found)} for one, found in judged]
 
 
 def _tables(
@@ -204,7 +205,7 @@ def _tables(
     """What becomes of some numbers by one trial after the other, and by the best one of each kind."""
     kinds: dict[str, tuple[str, Any]] = {}
     for one, found in alone:
-        kinds.setdefault(one.kind, (f"best {one.kind}: {one.name}", found))
+        kinds.setdefault(one.group, (f"best {one.group}: {one.name}", found))
     right = range(1, len(labels) + 1)
     return [
         aligned([[head, *labels], *([name, *map(shown, found)] for name, found in rows)], right=right)
@@ -214,23 +215,21 @@ def _tables(
 
 def _design_said(found: Design) -> Outcome:
     """The trials in their order, the expected standard deviations after each, and what each is good for."""
-    steps = [(step.candidate, step.sigma) for step in found.steps]
-    alone = [(step.candidate, step.sigma) for step in found.alone]
     facts = {
         "criterion": found.criterion,
         "values": _by_name(found.names, found.values),
         "relative_sigma_before": _by_name(found.names, found.before),
-        "trials": _listed("relative_sigma", found.names, steps),
-        "candidates": _listed("relative_sigma", found.names, alone),
+        "trials": _listed("relative_sigma", found.names, found.steps),
+        "candidates": _listed("relative_sigma", found.names, found.alone),
         "version": packaging.__version__,
     }
     labels = [name if one.is_log else f"{name} *" for name, one in zip(found.names, found.unknowns, strict=True)]
-    rows = [("what is known now", found.before), *_numbered(steps)]
+    rows = [("what is known now", found.before), *_numbered(found.steps)]
     title = (
-        f"The best {len(steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
+        f"The best {len(found.steps)} of {len(found.alone)} candidates, criterion {found.criterion}. Expected "
         "standard deviations (shares of the value; *: in the unit); -: not known."
     )
-    after, by_itself = _tables(labels, rows, alone, _shown)
+    after, by_itself = _tables(labels, rows, found.alone, _shown)
     reasons = "\n".join(found.reasons).replace("`", "")
     return Outcome(facts=facts, text="\n\n".join([title, after, reasons, by_itself]))
 

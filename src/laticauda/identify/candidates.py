@@ -1,12 +1,13 @@
 """Trials that could be done next, and what each would say about the unknowns.
 
 Besides swimming, with what sensors there are, a tow (the loads that hold the straight robot at a constant velocity,
-along itself or at an angle) and a coast-down (the path of the straight robot that is let go with a speed).
+along itself or at an angle) and a coast-down (the path of the straight robot that is let go with a speed). A candidate
+is a `Measurement` whose numbers do not count; its group says its kind: swim, tow or coast-down.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,38 +16,26 @@ from jaxtyping import Float
 import laticauda as lc
 from laticauda.errors import instance, one_of, positive
 from laticauda.identify import model, tables
-from laticauda.identify.measurements import LOADS, Measurement, Tow
+from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
 from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.robot import Environment, Robot, Water
 from laticauda.simulate.runner import Progress
 
-SENSORS: Mapping[str, tuple[str, str, float]] = {
-    "speed": ("figure", "forward_velocity", 0.005),
-    "power": ("figure", "mean_power", 2.0),
-    "path": ("series", "center_of_mass", 0.005),
-    "heading": ("series", "heading", 0.01),
-    "joint-angle": ("series", "joint_angle", 0.01),
-    "joint-torque": ("series", "joint_torque", 0.05),
+SENSORS: Mapping[str, tuple[str, float]] = {
+    "speed": ("forward_velocity", 0.005),
+    "power": ("mean_power", 2.0),
+    "path": ("center_of_mass", 0.005),
+    "heading": ("heading", 0.01),
+    "joint-angle": ("joint_angle", 0.01),
+    "joint-torque": ("joint_torque", 0.05),
 }
-"""By word: whether it gives a figure or a series, which one, and the standard deviation of its noise."""
+"""By word: the figure or series, and the standard deviation of its noise."""
 FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
 """Noise of the loads of a tow: of a force [N], as a share of it [-], and of the angle [rad]."""
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 """No motion of the joints."""
 INTERVAL = 0.5
 """Between samples of a series that count [s]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate:
-    """A trial that could be done."""
-
-    name: str
-    """What tables call it."""
-    kind: str
-    """swim, tow or coast-down."""
-    measurement: Measurement
-    """Robot, water and gait, and what would be measured; the numbers in it do not count."""
 
 
 def swims(
@@ -57,7 +46,7 @@ def swims(
     *,
     duration: float = 30.0,
     interval: float = INTERVAL,
-) -> list[Candidate]:
+) -> list[Measurement]:
     """A candidate per gait.
 
     Args:
@@ -68,16 +57,17 @@ def swims(
         duration: Of a trial [s].
         interval: Between the samples of series that count [s].
     """
-    found: list[Candidate] = []
+    found: list[Measurement] = []
     for gait in gaits:
         scenario = lc.Scenario(robot=robot, motion=gait, environment=environment, duration=duration)
-        found.append(_candidate("swim", f"swim, {_words(robot, gait)}", scenario, sensors, interval))
+        name = f"swim, {gait.kind.replace('_', '-')} {tables.setting_of(gait)} deg{_fin(robot)}"
+        found.append(_candidate("swim", name, scenario, sensors, interval))
     return found
 
 
 def coast_down(
     robot: Robot, environment: Environment, speed: float, *, sigma: float = 0.005, duration: float = 5.0
-) -> Candidate:
+) -> Measurement:
     """The straight robot let go with a speed, its center of mass tracked ten times a second.
 
     Args:
@@ -103,14 +93,14 @@ def from_tow(
     share: float = FORCE_SHARE,
     misalignment: float = MISALIGNMENT,
 ) -> Measurement:
-    """The loads of a tow as a measurement.
+    """The loads of a tow as a measurement, or as a candidate.
 
     Args:
         robot: What is pulled, straight.
         environment: Where, a water; what an angle that is not quite right does is taken from it.
         tow: How.
         loads: By name, of `LOADS`; None: what the water says, of a straight tow the drag only.
-        name: What tables and messages call it; empty: as it is towed.
+        name: What tables and messages call it; empty: as it is towed, with or without fin.
         sigma: Standard deviation of the noise of a force [N]; of the moment, half the robot's length times as much.
         share: The same as a share of the load, for speed and calibration [-].
         misalignment: Standard deviation of the angle [rad].
@@ -128,29 +118,13 @@ def from_tow(
         turned = 0.5 * (ends[1][one] - ends[0][one])
         figures[one_of("loads", one, tuple(LOADS))] = load, math.hypot(arm * sigma, share * load, turned)
     how = f"oblique tow, {math.degrees(tow.angle):.3g} deg," if tow.angle else "straight tow"
-    name = name or f"{how} at {tow.speed:g} m/s"
+    name = name or f"{how} at {tow.speed:g} m/s{_fin(robot)}"
     return Measurement(name=name, scenario=scenario, figures=figures, tow=tow, group="tow")
-
-
-def towed(robot: Robot, environment: Environment, tow: Tow, **noise: Any) -> Candidate:
-    """The straight robot pulled at a constant velocity, its loads measured: of a straight tow the drag, else all three.
-
-    Args:
-        robot: What is pulled.
-        environment: Where.
-        tow: How.
-        noise: See `from_tow`.
-
-    Raises:
-        ValueError: If it is not in water.
-    """
-    measured = from_tow(robot, environment, tow, **noise)
-    return Candidate(name=f"{measured.name}{_fin(robot)}", kind="tow", measurement=measured)
 
 
 def rows_of(
     problem: Problem,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Measurement],
     values: Float[np.ndarray, " n_unknowns"],
     progress: Progress | None = None,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -172,7 +146,7 @@ def rows_of(
     found: list[tuple[np.ndarray, np.ndarray]] = []
     for begin in range(0, len(candidates), _AT_ONCE):
         members = candidates[begin : begin + _AT_ONCE]
-        part = with_starts(other_measurements(problem, [one.measurement for one in members]))
+        part = with_starts(other_measurements(problem, members))
         every = np.concatenate([values, part.start[values.size :]])
         predicted = model.predict(part, every, jacobian=True)
         assert predicted.jacobian is not None
@@ -195,7 +169,9 @@ def rows_of(
 _AT_ONCE = 64
 
 
-def _candidate(kind: str, name: str, scenario: lc.Scenario, sensors: Mapping[str, float], interval: float) -> Candidate:
+def _candidate(
+    kind: str, name: str, scenario: lc.Scenario, sensors: Mapping[str, float], interval: float
+) -> Measurement:
     """A trial with figures and series whose numbers do not count."""
     robot, duration = scenario.robot, scenario.duration
     time = np.arange(1, round(duration / positive("interval", interval, "s")) + 1) * interval
@@ -204,17 +180,13 @@ def _candidate(kind: str, name: str, scenario: lc.Scenario, sensors: Mapping[str
     series: dict[str, tuple[np.ndarray, float]] = {}
     shapes = {"center_of_mass": (time.size, 2), "heading": (time.size,)}
     for word, sigma in sensors.items():
-        form, what, _ = SENSORS[word]
-        if form == "figure":
+        what, _ = SENSORS[word]
+        if what not in SERIES:
             figures[what] = (0.0, sigma)
         else:
             series[what] = (np.zeros(shapes.get(what, (time.size, robot.n_links - 1))), sigma)
     measured: Any = {"figures": figures, "series": series, "time": time if series else None}
-    return Candidate(name=name, kind=kind, measurement=Measurement(name=name, scenario=scenario, **measured))
-
-
-def _words(robot: Robot, gait: lc.Gait) -> str:
-    return f"{gait.kind.replace('_', '-')} {tables.setting_of(gait)} deg{_fin(robot)}"
+    return Measurement(name=name, scenario=scenario, group=kind, **measured)
 
 
 def _fin(robot: Robot) -> str:

@@ -19,7 +19,8 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of, whole
 from laticauda.identify import identifiability, model, result
-from laticauda.identify.candidates import Candidate, rows_of
+from laticauda.identify.candidates import rows_of
+from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.simulate.runner import Progress
@@ -32,24 +33,16 @@ _ROUNDS = 20
 Matrix = Float[np.ndarray, "n n"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Step:
-    """One trial of a design."""
-
-    candidate: Candidate
-    """Which trial."""
-    sigma: Float[np.ndarray, " n_unknowns"]
-    """Expected standard deviation of every unknown after it and all before it: shares of it, or of its size; inf where
-    nothing is known [-]."""
-    gain: float
-    """By which factor it shrinks the volume of what is possible [-]."""
-    combination: str
-    """What it tells most about beyond what is known before, in words."""
+Judged = tuple[Measurement, Float[np.ndarray, " n"]]
+"""A trial, and the numbers by which it was judged."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Design:
-    """The next trials, best first, and what they are expected to say."""
+    """The next trials, best first, and what they are expected to say.
+
+    Standard deviations are shares of an unknown, or of its size, and inf where nothing is known [-].
+    """
 
     unknowns: tuple[ResolvedUnknown, ...]
     """What is looked for."""
@@ -58,13 +51,13 @@ class Design:
     criterion: str
     """One of `CRITERIA`, or `sigma of` an unknown."""
     before: Float[np.ndarray, " n_unknowns"]
-    """Standard deviations without any of the trials, as `Step.sigma` [-]."""
-    steps: tuple[Step, ...]
-    """The trials in the order in which they should be done."""
-    n_candidates: int
-    """Of how many candidates."""
-    alone: tuple[Step, ...]
-    """What each candidate would say by itself, the best first; `gain` is over what was known before."""
+    """Standard deviations without any of the trials [-]."""
+    steps: tuple[Judged, ...]
+    """The trials in the order in which to do them, and the standard deviations after each and all before it."""
+    reasons: tuple[str, ...]
+    """A sentence about what each trial is good for, with its numbers; in the end one about what swims alone miss."""
+    alone: tuple[Judged, ...]
+    """What would be known after each candidate by itself, the best first."""
     swimming: Float[np.ndarray, " n_unknowns"] | None
     """Standard deviations after as many trials, the best ones that swim; None if all candidates swim, or none [-]."""
 
@@ -76,33 +69,12 @@ class Design:
     @property
     def sigma(self) -> Float[np.ndarray, "n_steps n_unknowns"]:
         """Standard deviations after 0, 1, 2, ... trials [-]."""
-        return np.array([self.before, *(step.sigma for step in self.steps)])
-
-    @property
-    def reasons(self) -> tuple[str, ...]:
-        """A sentence about what each trial is good for, with its numbers."""
-        found: list[str] = []
-        before = self.before
-        for i, step in enumerate(self.steps):
-            found.append(f"{i + 1}. {step.candidate.name} {_reason(self.names, before, step)}.")
-            before = step.sigma
-        if self.swimming is not None:
-            found.append(self._what_swimming_misses(self.swimming))
-        return tuple(found)
-
-    def _what_swimming_misses(self, swimming: np.ndarray) -> str:
-        """What straight trials are good for, in numbers."""
-        after = self.steps[-1].sigma
-        with np.errstate(invalid="ignore"):
-            k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
-        n = len(self.steps)
-        words = f"After the best {n} trials that swim, `{self.names[k]}` is {_share(swimming[k])}; after these {n}, "
-        return f"{words}{_share(after[k])}."
+        return np.array([self.before, *(sigma for _, sigma in self.steps)])
 
 
 def design(
     problem: Problem,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Measurement],
     n_trials: int,
     *,
     values: Float[np.ndarray, " n_unknowns"] | None = None,
@@ -137,27 +109,29 @@ def design(
     score = _score(criterion, names)
     first = known * scale
     chosen = best_of(added, first, n_trials, score)
-    steps: list[Step] = []
-    total = first
-    for i in chosen:
-        steps.append(_step(candidates[i], total, added[i], problem.unknowns))
-        total = total + added[i]
+    totals = np.cumsum([first, *added[chosen]], axis=0)
+    reasons = [
+        f"{n}. {candidates[i].name} {_reason(problem.unknowns, so_far, added[i])}."
+        for n, (i, so_far) in enumerate(zip(chosen, totals[:-1], strict=True), 1)
+    ]
+    sigma = [sigma_of(total) for total in totals]
+    swimming = _swimming_alone(candidates, added, first, n_trials, score)
     order = sorted(range(len(candidates)), key=lambda i: -score(first + added[i]))
     return Design(
         unknowns=problem.unknowns,
         values=at,
         criterion=criterion if criterion in CRITERIA else f"sigma of {criterion}",
-        before=sigma_of(first),
-        steps=tuple(steps),
-        n_candidates=len(candidates),
-        alone=tuple(_step(candidates[i], first, added[i], problem.unknowns) for i in order),
-        swimming=_swimming_alone(candidates, added, first, n_trials, score),
+        before=sigma[0],
+        steps=tuple(zip((candidates[i] for i in chosen), sigma[1:], strict=True)),
+        reasons=(*reasons, *([] if swimming is None else [_missed(names, n_trials, swimming, sigma[-1])])),
+        alone=tuple((candidates[i], sigma_of(first + added[i])) for i in order),
+        swimming=swimming,
     )
 
 
 def information_of(
     problem: Problem,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Measurement],
     values: Float[np.ndarray, " n_unknowns"],
     progress: Progress | None = None,
 ) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
@@ -167,9 +141,9 @@ def information_of(
 
 
 def _swimming_alone(
-    candidates: Sequence[Candidate], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+    candidates: Sequence[Measurement], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
 ) -> np.ndarray | None:
-    mine = [i for i, one in enumerate(candidates) if one.kind == "swim"]
+    mine = [i for i, one in enumerate(candidates) if one.group == "swim"]
     if not mine or len(mine) == len(candidates):
         return None
     chosen = best_of(added[mine], known, n_trials, score)
@@ -262,32 +236,30 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
     return volume if criterion == "D" else sharpness
 
 
-def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[ResolvedUnknown]) -> Step:
-    volume = _score("D", ())
-    root = np.linalg.cholesky(total + _FAINT * np.eye(len(total)))
-    half = np.linalg.solve(root, added)
-    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
-    return Step(
-        candidate=candidate,
-        sigma=sigma_of(total + added),
-        gain=float(np.exp(min(volume(total + added) - volume(total), 700.0))),
-        combination=identifiability.combination_of(root @ news, unknowns),
-    )
-
-
-def _reason(names: Sequence[str], before: np.ndarray, step: Step) -> str:
+def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -> str:
     """What becomes known by a trial, in words."""
-    after = step.sigma
-    newly = [k for k in range(len(names)) if before[k] >= identifiability.LIMIT > after[k]]
+    before, after = sigma_of(known), sigma_of(known + added)
+    newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
-        words = [f"`{names[k]}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
+        words = [f"`{unknowns[k].name}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
         return f"makes identifiable {_listed(words)}"
     finite = np.isfinite(before) & (before > 0.0)
     ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
     k = int(np.argmin(ratio))
-    if ratio[k] > 0.9:
-        return f"tells about {step.combination}"
-    return f"shrinks most `{names[k]}`, from {_share(before[k])} to {_share(after[k])}"
+    if ratio[k] <= 0.9:
+        return f"shrinks most `{unknowns[k].name}`, from {_share(before[k])} to {_share(after[k])}"
+    root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
+    half = np.linalg.solve(root, added)
+    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
+    return f"tells about {identifiability.combination_of(root @ news, unknowns)}"
+
+
+def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarray) -> str:
+    """What straight trials are good for, in numbers."""
+    with np.errstate(invalid="ignore"):
+        k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
+    words = f"After the best {n} trials that swim, `{names[k]}` is {_share(swimming[k])}; after these {n}, "
+    return f"{words}{_share(after[k])}."
 
 
 def _share(sigma: float) -> str:

@@ -31,23 +31,21 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument, whole
 from laticauda.identify import design, identifiability
-from laticauda.identify.candidates import Candidate, rows_of
+from laticauda.identify.candidates import rows_of
+from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.simulate.runner import Progress
-
-Judged = tuple[Candidate, Float[np.ndarray, " n_pairs"]]
-"""A trial, and T of every pair: the less of the two ways in which it may be taken [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Discrimination:
-    """Trials that tell rival models apart."""
+    """Trials that tell rival models apart, by T of every pair: the less of the two ways to take it [-]."""
 
     pairs: tuple[tuple[str, str], ...]
     """Every two models."""
-    steps: tuple[Judged, ...]
+    steps: tuple[design.Judged, ...]
     """The trials in the order in which they should be done, and T after each and all before it."""
-    alone: tuple[Judged, ...]
+    alone: tuple[design.Judged, ...]
     """Every candidate by itself, the best first."""
 
 
@@ -61,7 +59,7 @@ def wrong(distance: float) -> float:
 
 
 def discriminate(
-    rivals: Mapping[str, tuple[Problem, Sequence[Candidate]]], n_trials: int, *, progress: Progress | None = None
+    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]], n_trials: int, *, progress: Progress | None = None
 ) -> Discrimination:
     """Choose the trials that would tell rival models apart.
 
@@ -75,13 +73,12 @@ def discriminate(
         ValueError: If an argument is out of its range.
     """
     whole("n_trials", n_trials, 1)
-    candidates: Sequence[Candidate] = next(iter(rivals.values()))[1] if rivals else ()
+    candidates: Sequence[Measurement] = next(iter(rivals.values()))[1] if rivals else ()
     if len(rivals) < 2 or not candidates:
         raise BadArgument("rivals", f"must be at least two models with candidates, got {len(rivals)}")
     seen: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for name, (problem, same) in rivals.items():
-        both = zip(same, candidates, strict=True)
-        alike = [replace(a, measurement=replace(a.measurement, figures=b.measurement.figures)) for a, b in both]
+        alike = [replace(a, figures=b.figures) for a, b in zip(same, candidates, strict=True)]
         seen[name] = rows_of(problem, alike, problem.start)
         if progress is not None:
             progress(len(seen) / len(rivals))
@@ -97,7 +94,7 @@ def discriminate(
             columns = np.column_stack((numbers - others, rows))
             added[i, k, :n, :n] = identifiability.marginal(columns.T @ columns, range(n))
 
-    def judged(one: Candidate, total: np.ndarray) -> Judged:
+    def judged(one: Measurement, total: np.ndarray) -> design.Judged:
         return one, np.min(np.reshape(_distances(total), (2, -1)), axis=0)
 
     chosen = design.best_of(added, known, n_trials, lambda total: -_worst(_distances(total)))
