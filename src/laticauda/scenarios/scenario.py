@@ -48,28 +48,18 @@ class Planar(_Model):
 class Spatial(_Model):
     """MuJoCo in space, with our loads of the water; it needs the extra `spatial`.
 
+    A planar root has height and tilt fixed. Without some ballast nothing keeps a robot with a free root upright; what
+    Mamba has is not known, and the default an assumption. A scene may be a `Scene`, its name, an MJCF file, or a function
+    that edits a `mujoco.MjSpec`.
+
     Raises:
         ValueError: If a field is out of its range.
     """
 
-    root: Literal["free", "planar"] | None = option(
-        "Of the tail module: free, or planar for one whose height and tilt are fixed; if left out planar for a robot "
-        "whose joints all turn about the vertical axis, else free",
-        default=None,
-    )
+    root: Literal["free", "planar"] | None = option("Of the tail module; None: planar if all joints yaw", default=None)
     gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
-    ballast_depth: float = quantity(
-        "m",
-        "How far the modules' centers of mass lie below their axes, for a free root with gravity: without it nothing "
-        "keeps a robot upright. Mamba's is not known; the default is an assumption",
-        default=0.005,
-    )
-    scene: Scene | None = option(
-        "What is around the robot: a scene, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`; open "
-        "water or flat ground if left out",
-        default=None,
-        check=lambda _, given: Scene.of(given),
-    )
+    ballast_depth: float = quantity("m", "How far centers of mass lie below their modules' axes", default=0.005)
+    scene: Scene | None = option("What is around it; or None", default=None, check=lambda _, given: Scene.of(given))
 
     rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
 
@@ -116,7 +106,8 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
 class Scenario:
     """Everything that decides a run: the same scenario always gives the same trial (`laticauda.swim`).
 
-    `dataclasses.replace` makes another one; what it does not replace stays the same object.
+    `dataclasses.replace` makes another one; what it does not replace stays the same object. The sample interval is
+    adjusted so that it divides the time between two control instants, and the duration.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -128,13 +119,7 @@ class Scenario:
     model: Model = option("By which model", default=Planar())
     start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
     duration: float = quantity("s", "Of the run", default=30.0, gt=0.0)
-    sample_interval: float = quantity(
-        "s",
-        "Between two samples of the log; adjusted so that it divides the time between two control instants, and the "
-        "duration",
-        default=0.05,
-        gt=0.0,
-    )
+    sample_interval: float = quantity("s", "Between two samples of the log, made to fit", default=0.05, gt=0.0)
 
     def __post_init__(self) -> None:
         """Check what its type does not tell."""
