@@ -103,11 +103,8 @@ class Command:
             if values is None:
                 continue
             if joints.prescribed:
-                raise BadArgument(
-                    name,
-                    f"must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
-                    f"`servo` joints can, got {len(values)} of them",
-                )
+                rule = "must be None for prescribed joints, which can neither jump nor go limp"
+                raise BadArgument(name, f"{rule}; `pd` and `servo` joints can, got {len(values)} of them")
             n, most = robot.n_joints, len(robot.driven_joints)
             if len(values) not in (n, most):
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"

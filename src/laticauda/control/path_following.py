@@ -152,8 +152,7 @@ def refuse_offset(robot: Robot, gait: Gait, max_offset: float) -> None:
     for i, (joint, g) in enumerate(zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)):
         room = joint.limit - gait.amplitude * abs(g) - abs(gait.offset)
         if max_offset > room:
-            raise BadArgument(
-                "max_offset",
-                f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
-                f"{joint.limit:.4g} rad with this gait; got {max_offset}",
+            rule = (
+                f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit of {joint.limit:.4g} rad with this gait"
             )
+            raise BadArgument("max_offset", f"{rule}; got {max_offset}")

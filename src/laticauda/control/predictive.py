@@ -212,18 +212,12 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         low, high = self.frequencies
         positive("frequency_limits[0]", low, "rad/s")
         if not low <= self.gait.frequency <= high:
-            raise BadArgument(
-                "frequency_limits",
-                f"must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them, "
-                f"got {low:.4g} and {high:.4g}",
-            )
+            rule = f"must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them"
+            raise BadArgument("frequency_limits", f"{rule}, got {low:.4g} and {high:.4g}")
         least = max(self.model.power(low, offset) for offset in (0.0, self.max_offset))
         if not self.power_limit >= least:
-            raise BadArgument(
-                "power_limit",
-                f"must be >= {least:.4g} W, what the least frequency takes with the largest offset, "
-                f"got {self.power_limit}",
-            )
+            rule = f"must be >= {least:.4g} W, what the least frequency takes with the largest offset"
+            raise BadArgument("power_limit", f"{rule}, got {self.power_limit}")
 
     @property
     def frequencies(self) -> tuple[float, float]:

@@ -117,8 +117,5 @@ class SpatialPathFollowing(PathFollowing):
         pitch = self.gait.pitch
         room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
         if self.climb.max_offset > room:
-            raise BadArgument(
-                "climb.max_offset",
-                f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait; "
-                f"got {self.climb.max_offset}",
-            )
+            rule = f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait"
+            raise BadArgument("climb.max_offset", f"{rule}; got {self.climb.max_offset}")

@@ -66,11 +66,8 @@ class VirtualRobot:
         if plant.robot.n_joints != robot.n_joints:
             driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
         if plant.robot.n_joints != len(driven):
-            raise BadArgument(
-                "plant",
-                f"must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints, "
-                f"got {plant.robot.n_joints}",
-            )
+            rule = f"must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints"
+            raise BadArgument("plant", f"{rule}, got {plant.robot.n_joints}")
         driven += range(robot.n_joints, len(robot.driven_joints))  # the fin
         self.robot, self.plant, self.depth = robot, plant, depth
         self.driven = np.array(driven, dtype=int)

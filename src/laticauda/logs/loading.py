@@ -180,11 +180,8 @@ def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, B
     longest = float(np.max(np.diff(kept)))
     if longest > max(given.longest_gap, 3.0 * step):
         at = float(kept[np.argmax(np.diff(kept))])
-        raise BadArgument(
-            name,
-            f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of "
-            f"{longest:.4g} s after {at:.6g} s; cut it off by `start` and `stop`",
-        )
+        rule = f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of {longest:.4g} s"
+        raise BadArgument(name, f"{rule} after {at:.6g} s; cut it off by `start` and `stop`")
     # Counted from the start that the user asked for, or from the first row.
     return kept - (given.start if given.start is not None else float(kept[0])), rows
 

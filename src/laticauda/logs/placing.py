@@ -243,9 +243,6 @@ def filled(
     gap = int(np.argmax(np.where(np.diff(known) > 1, steps, 0.0)))
     if steps[gap] > longest * (1.0 + 1e-9):
         begin, end = time[known[gap]], time[known[gap + 1]]
-        raise BadArgument(
-            name,
-            f"must have no gap longer than `longest_gap` = {longest:g} s, got one of {steps[gap]:.4g} s "
-            f"from {begin:.6g} s to {end:.6g} s; {advice}",
-        )
+        rule = f"must have no gap longer than `longest_gap` = {longest:g} s, got one of {steps[gap]:.4g} s"
+        raise BadArgument(name, f"{rule} from {begin:.6g} s to {end:.6g} s; {advice}")
     return np.interp(time, time[known], signal[known]), lost

@@ -117,11 +117,8 @@ class Module:
 
     def __post_init__(self) -> None:
         if abs(self.center) > self.half_length:
-            raise BadArgument(
-                "center",
-                f"must lie inside the module, between {-self.half_length:g} and "
-                f"{self.half_length:g} m, got {self.center}",
-            )
+            rule = f"must lie inside the module, between {-self.half_length:g} and {self.half_length:g} m"
+            raise BadArgument("center", f"{rule}, got {self.center}")
 
     @property
     def half_length(self) -> float:

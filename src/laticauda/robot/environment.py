@@ -197,8 +197,5 @@ def check_fits(robot: Robot, environment: Environment) -> None:
         highest = max(highest, (0.5 * robot.caudal_fin.height, "caudal_fin"))
     half_height, owner = highest
     if environment.depth <= half_height:
-        raise BadArgument(
-            "depth",
-            f"must be > {half_height:g} m, the half height of `{owner}` of robot `{robot.name}`, "
-            f"got {environment.depth}",
-        )
+        rule = f"must be > {half_height:g} m, the half height of `{owner}` of robot `{robot.name}`"
+        raise BadArgument("depth", f"{rule}, got {environment.depth}")

@@ -45,10 +45,8 @@ class Robot:
         if n == 0:
             raise BadArgument("modules", "must hold at least one Module, got none")
         if len(self.joints) != n - 1:
-            raise BadArgument(
-                "joints",
-                f"must hold one Joint less than there are modules, {n - 1} for {n} modules, got {len(self.joints)}",
-            )
+            rule = f"must hold one Joint less than there are modules, {n - 1} for {n} modules"
+            raise BadArgument("joints", f"{rule}, got {len(self.joints)}")
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
@@ -155,10 +153,8 @@ class Robot:
         if n == self.n_links:
             return self
         if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:
-            raise BadArgument(
-                "n_links",
-                f"must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all alike, got {n}",
-            )
+            rule = f"must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all alike"
+            raise BadArgument("n_links", f"{rule}, got {n}")
         return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
 
 

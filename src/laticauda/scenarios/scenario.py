@@ -49,8 +49,8 @@ class Spatial(_Model):
     """MuJoCo in space, with our loads of the water; it needs the extra `spatial`.
 
     A planar root has height and tilt fixed. Without some ballast nothing keeps a robot with a free root upright; what
-    Mamba has is not known, and the default an assumption. A scene may be a `Scene`, its name, an MJCF file, or a function
-    that edits a `mujoco.MjSpec`.
+    Mamba has is not known, and the default an assumption. A scene may be a `Scene`, its name, an MJCF file, or a
+    function that edits a `mujoco.MjSpec`.
 
     Raises:
         ValueError: If a field is out of its range.

@@ -35,11 +35,8 @@ def plant(
         raise BadArgument("scenario", f"must be that of a simulated run to be run again; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
         for one in unknown_in(robot):
-            raise BadArgument(
-                "scenario",
-                f"cannot be run here: nobody has defined its `{one.kind}`; import the module that does, or "
-                "install the package that brings it",
-            )
+            advice = "import the module that does, or install the package that brings it"
+            raise BadArgument("scenario", f"cannot be run here: nobody has defined its `{one.kind}`; {advice}")
         return _plant(robot.robot, robot.environment, robot.model)
     instance("robot", robot, Robot)
     instance("environment", environment, Water, Ground)

@@ -227,11 +227,8 @@ def check_size(duration: float, sample_interval: float) -> None:
     """
     longest = MOST_SAMPLES * sample_interval
     if duration > longest:
-        raise BadArgument(
-            "duration",
-            f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}; "
-            "a longer `sample_interval` lets a run be longer",
-        )
+        rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
+        raise BadArgument("duration", f"{rule}; a longer `sample_interval` lets a run be longer")
 
 
 def _begun(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:

@@ -65,11 +65,8 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     n_cycles = int(np.floor(rest / period + _ROUNDING)) if rest > 0.0 else 0
     if n_cycles < 1:
         least = max(TRANSIENT + period, 1.5 * period)
-        raise BadArgument(
-            "time",
-            f"must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third, "
-            f"then one whole cycle of {period:.4g} s; got {duration:.6g} s",
-        )
+        rule = f"must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third"
+        raise BadArgument("time", f"{rule}, then one whole cycle of {period:.4g} s; got {duration:.6g} s")
     return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
 
 
@@ -195,8 +192,5 @@ def _refuse_coarse(time: Time, period: float) -> None:
         raise BadArgument("time", f"must have at least 2 samples, got {time.size}")
     step = float(time[-1] - time[0]) / (time.size - 1)
     if step * SAMPLES_PER_CYCLE > period * (1.0 + _ROUNDING):
-        raise BadArgument(
-            "time",
-            f"must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s, "
-            f"got one every {step:.4g} s",
-        )
+        rule = f"must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s"
+        raise BadArgument("time", f"{rule}, got one every {step:.4g} s")

@@ -262,11 +262,8 @@ def sideslip(trial: Contents) -> float:
     traveled = cycles.course_cycle_mean(time, trial.center_of_mass, trial.center_of_mass_velocity, period).value
     pointed = heading_mean(trial).value
     if not np.any(inside):
-        raise BadArgument(
-            "time",
-            "must hold the middle of a whole gait cycle after the transient for a sideslip: "
-            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least",
-        )
+        rule = "must hold the middle of a whole gait cycle after the transient for a sideslip"
+        raise BadArgument("time", f"{rule}: make it one sample longer than {time[-1] - time[0]:.4g} s at least")
     angle = (traveled - pointed)[inside]
     # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))
@@ -281,11 +278,8 @@ def turning_rate(trial: Contents) -> float:
     period = _period(trial)
     part, inside = cycles.steady_part(trial.time, period), _in_steady_part(trial.time, period)
     if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
-        raise BadArgument(
-            "time",
-            "must span at least two gait cycles after the transient for a turning rate; "
-            f"got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s",
-        )
+        rule = "must span at least two gait cycles after the transient for a turning rate"
+        raise BadArgument("time", f"{rule}; got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s")
     mean = heading_mean(trial)
     t, value = mean.time[inside], mean.value[inside]
     t = t - np.mean(t)
