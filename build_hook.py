@@ -33,13 +33,14 @@ class ReadyKernels(BuildHookInterface):
         if version == "editable":
             return
         self.folder = folder = Path(tempfile.mkdtemp(prefix="laticauda-ready-"))
-        own = {"PYTHONPATH": str(Path(self.root, "src")), "NUMBA_CACHE_DIR": str(folder / "cache")}
+        path = os.pathsep.join([str(Path(self.root, "src")), *filter(None, sys.path)])  # that of an isolated build
+        own = {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(folder / "cache")}
         own |= {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
         done = subprocess.run([sys.executable, "-c", SCRIPT, str(folder)], env={**os.environ, **own})
         if done.returncode:
             self.app.display_warning("no kernels in this wheel: the first run will compile them")
-        for path in folder.glob("*.code"):
-            build_data["force_include"][str(path)] = f"laticauda/compiling/ready/{path.name}"
+        for one in folder.glob("*.code"):
+            build_data["force_include"][str(one)] = f"laticauda/compiling/ready/{one.name}"
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Leave nothing behind."""

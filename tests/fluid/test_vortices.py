@@ -78,3 +78,8 @@ def test_the_vortices_of_a_street_drive_each_other_at_the_speed_at_which_it_move
     center = along[np.argmax(spin)]
     assert own > 0.0
     assert street.motion(center, row, 0.0, times[0]).u == pytest.approx(street.street_speed * street.speed, rel=0.01)
+
+
+def test_vortices_that_would_overlap_are_refused():
+    with pytest.raises(ValueError, match=r"`core` must be <= 0.43, half the way between vortices, got 0.5"):
+        KarmanStreet(strouhal=1.0, core=0.5)

@@ -169,3 +169,11 @@ def test_waves_that_cannot_be_are_refused_with_the_limit(settings, message):
 def test_a_sea_that_cannot_be_is_refused_with_the_limit(settings, message):
     with pytest.raises(ValueError, match=message):
         Sea(**settings)
+
+
+def test_a_robot_below_the_bed_of_its_waves_is_refused():
+    water, waves = load_water("paper-lateral"), Waves(height=0.05, period=1.5, depth=0.9)
+    assert replace(water, current=waves, depth=0.9).depth == 0.9
+    for current in (waves, Waves() + waves):
+        with pytest.raises(ValueError, match=r"`depth` must be <= 0.9 m, where the bed of its flow is, got 1.5"):
+            replace(water, current=current, depth=1.5)

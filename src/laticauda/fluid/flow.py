@@ -16,7 +16,7 @@ those of drag laws do (`laticauda.fluid.laws`).
 
 from collections.abc import Callable
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -152,7 +152,9 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
         """
         found: Any = (0.0,) * len(Motion._fields)
         for part in self.parts:
-            own = part.moving.function(part, x, y, z, t)
+            own: Any = part.formula.function(part, x, y, z, t)
+            if not isinstance(own, tuple) or len(cast("tuple[Any, ...]", own)) != len(Motion._fields):
+                own = part.moving.function(part, x, y, z, t)
             found = tuple(a + b for a, b in zip(found, own, strict=True))
         return Motion(*found)
 

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Flow
 from laticauda.fluid.uniform import Uniform
 from laticauda.quantities import quantity, value
@@ -120,6 +121,11 @@ class KarmanStreet(Flow):
     core: float = quantity("", "r_c of vortices per D", gt=0.0, le=1.0, default=0.25)
     pairs: int = quantity("", "How many pairs of vortices the street is long", ge=2, le=200, default=10)
     phase: float = quantity("rad", "Of the shedding at the start", default=0.0)
+
+    def __post_init__(self) -> None:
+        widest = 0.5 * self.spacing / self.diameter
+        if self.core > widest:
+            raise BadArgument("core", f"must be <= {widest:.4g}, half the way between vortices, got {self.core:g}")
 
     @property
     def frequency(self) -> float:

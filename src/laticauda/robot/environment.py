@@ -1,5 +1,6 @@
 """What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -59,6 +60,9 @@ class Water:
         if not isinstance(current, Flow) and current[2:] == (0.0,):
             current = current[:2]
         object.__setattr__(self, "current", current)
+        bed = min(getattr(one, "depth", None) or math.inf for one in getattr(current, "flows", (current,)))
+        if (self.depth or 0.0) > bed:
+            raise BadArgument("depth", f"must be <= {bed:g} m, where the bed of its flow is, got {self.depth:g}")
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",

@@ -57,6 +57,17 @@ def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_d
         np.testing.assert_allclose(one[-1]["x"], flat[-1]["x"], atol=1e-4)  # the same episode by another model
 
 
+def test_in_space_an_episode_in_a_flow_is_that_in_the_plane():
+    pytest.importorskip("mujoco")
+    settings = {"duration": 0.6, "interval": 0.1, "current": lc.load_current("vortex")}
+    space, plane = (SwimmingEnv(robot="mamba", model=model, **settings) for model in ("spatial", "planar"))
+    still = SwimmingEnv(robot="mamba", duration=0.6, interval=0.1)
+    ends = [rolled(one, count=6)[-1][-1] for one in (space, plane, still)]
+    moved = abs(ends[1]["x"] - ends[2]["x"]) + abs(ends[1]["y"] - ends[2]["y"])
+    for name in ("x", "y"):
+        assert ends[0][name] == pytest.approx(ends[1][name], abs=0.05 * moved)
+
+
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(model: str):
     skip_without_rendering()
