@@ -111,11 +111,8 @@ class Measurement:
         if time.ndim != 1 or time.size == 0 or np.any(np.diff(time) <= 0.0):
             raise BadArgument("time", f"of `{self.name}` must be moments that increase, got shape {time.shape}")
         if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
-            raise BadArgument(
-                "time",
-                f"of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s, "
-                f"got {time[0]:g} to {time[-1]:g} s",
-            )
+            rule = f"of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s"
+            raise BadArgument("time", f"{rule}, got {time[0]:g} to {time[-1]:g} s")
         return time
 
     def _one_series(self, name: object, pair: Sequence[Any], n: int) -> tuple[np.ndarray, float]:

@@ -305,11 +305,8 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
     for measurement in measurements:
         other = measurement.scenario.robot
         if other.modules != body.modules or other.joints != body.joints:
-            raise BadArgument(
-                "measurements",
-                f"must be of one body, with or without fin; `{measurement.name}` is of robot "
-                f"`{other.name}`, whose modules or joints are not those of `{body.name}`",
-            )
+            rule = f"must be of one body, with or without fin; `{measurement.name}` is of robot `{other.name}`"
+            raise BadArgument("measurements", f"{rule}, whose modules or joints are not those of `{body.name}`")
 
 
 def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float) -> list[str]:

@@ -106,11 +106,8 @@ def resolve(
     first = int(np.argmax(applies))
     scenario, parameter = scenarios[first], known[first][name]
     if name.startswith("gait."):
-        raise BadArgument(
-            "parameters",
-            f"must not be of the gait, which is what was asked for, got `{unknown.name}`; what the joints "
-            "make of it is the actuator's, `robot.joint.actuator`",
-        )
+        rule = f"must not be of the gait, which is what was asked for, got `{unknown.name}`"
+        raise BadArgument("parameters", f"{rule}; what the joints make of it is the actuator's, `robot.joint.actuator`")
     if parameter.is_whole:
         raise BadArgument("parameters", f"must be numbers that may change a little, got `{unknown.name}`, a count")
     _check_tied(unknown, name, scenarios, known, applies)

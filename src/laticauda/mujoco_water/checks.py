@@ -123,11 +123,8 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
     for body in heavy:
         dofs = _dofs_above(model, body)
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
-            raise BadArgument(
-                "model",
-                f"must store the whole inertia matrix of body {name_of(model, body)}, but keeps its "
-                "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`",
-            )
+            rule = f"must store the whole inertia matrix of body {name_of(model, body)}, but keeps its diagonal only"
+            raise BadArgument("model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compiled`")
 
 
 def make_room(model: Any) -> None:

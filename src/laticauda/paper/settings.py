@@ -148,11 +148,8 @@ class PathFollowingSettings:
         at_least_one(self, "joint_laws", "offset_bandwidths", "groups")
         for group in self.groups:
             if (n_cases := len(group.followed)) != len(group.figures):
-                raise BadArgument(
-                    "figures",
-                    f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}, "
-                    f"got {len(group.figures)}",
-                )
+                rule = f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}"
+                raise BadArgument("figures", f"{rule}, got {len(group.figures)}")
 
     @property
     def n_cases(self) -> int:
