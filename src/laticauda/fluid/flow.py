@@ -16,7 +16,7 @@ those of drag laws do (`laticauda.fluid.laws`).
 
 from collections.abc import Callable
 from itertools import chain
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -153,7 +153,7 @@ class Flow(Law, Extensible, group="flows", homes=FLOWS):
         found: Any = (0.0,) * len(Motion._fields)
         for part in self.parts:
             own: Any = part.formula.function(part, x, y, z, t)
-            if not isinstance(own, tuple) or len(cast("tuple[Any, ...]", own)) != len(Motion._fields):
+            if type(own) not in (tuple, Motion) or len(own) != len(Motion._fields):
                 own = part.moving.function(part, x, y, z, t)
             found = tuple(a + b for a, b in zip(found, own, strict=True))
         return Motion(*found)
