@@ -128,7 +128,7 @@ def answers(platforms: list[str]) -> Iterator[Answer]:
         programs = {one: driver(one, folder) for one in platforms if not missing(one)}
         for k, (case, scenario) in enumerate(cases().items()):
             fmu = folder / f"case{k}.fmu"
-            export_fmu(fmu, scenario, platforms=platforms)
+            export_fmu(fmu, scenario, platform=platforms)
             for one in platforms:
                 worst = error(scenario, one, fmu, programs[one]) if one in programs else math.nan
                 yield Answer(platform=one, case=case, error=worst)

@@ -1,18 +1,15 @@
 """`laticauda export mjcf | urdf | fmu`: a robot as a file for other programs."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.cosim.native.variables import Variable
 
 OUTPUT = "The file to write; an older one is replaced"
 
@@ -85,27 +82,24 @@ class Compiled(OfScenario):
         scenario, _ = names.scenario([])  # the file that comes first is the output
         return cls.about(scenario, words, prog, choice=names)
 
-    def run(self) -> command.Outcome:
-        """Write the file."""
+    def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
+        """Write the file.
+
+        Args:
+            write: What does so, and returns the variables.
+            settings: Options that it takes.
+        """
         scenario = self.chosen
         if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the exported robot swims in water")
         if not isinstance(scenario.model, lc.Planar):
             raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not exported")
         warn_of_compiling(scenario.environment, scenario.model)
-        variables = self.write(scenario)
+        variables = write(self.output, scenario, **{name: getattr(self, name) for name in ("inputs", *settings)})
         found = Counter(one.causality for one in variables)
         count = {f"{kind}s": found[kind] for kind in ("parameter", "input", "output")}
         words = ", ".join(f"{number} {kind}" for kind, number in count.items())
         return _outcome(self.output, scenario.robot, words, **{f"n_{kind}": number for kind, number in count.items()})
-
-    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
-        """Write the file.
-
-        Args:
-            scenario: What it is to hold.
-        """
-        raise NotImplementedError
 
 
 @value
@@ -125,12 +119,11 @@ class Fmu(Compiled):
     model_version: str | None = option("Of the model; laticauda's if left out", default=None)
     license: str = option("Of the model", default="MIT")
 
-    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
-        """Write the file; see `Compiled.write`."""
+    def run(self) -> command.Outcome:
+        """Write the file."""
         from laticauda.cosim.fmu import export_fmu
 
-        settings: Any = {name: getattr(self, name) for name in ("inputs", "fmi", "author", "model_version", "license")}
-        return export_fmu(self.output, scenario, platforms=self.platform, **settings)
+        return self.written(export_fmu, "fmi", "platform", "author", "model_version", "license")
 
 
 @value
@@ -149,12 +142,11 @@ class C(Compiled):
     platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=None)
     static: bool = option("Write a static library instead of a shared one", default=False)
 
-    def write(self, scenario: lc.Scenario) -> "Sequence[Variable]":
-        """Write the files; see `Compiled.write`."""
+    def run(self) -> command.Outcome:
+        """Write the files."""
         from laticauda.cosim.native.library import export_c
 
-        settings: Any = {name: getattr(self, name) for name in ("inputs", "platform", "static")}
-        return export_c(self.output, scenario, **settings)
+        return self.written(export_c, "platform", "static")
 
 
 def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:

@@ -41,7 +41,7 @@ NOT_FLAGS = (
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
-    **{"measurements": "files", "trials": "files", "platforms": "platform", "kind": "gait", "interface": "bus"},
+    **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""
 SPELLED = {

@@ -526,7 +526,7 @@ def test_an_fmu_holds_a_library_for_each_platform(tmp_path, fmi, names, folders)
     from fmpy.validation import validate_fmu
 
     file = tmp_path / "snake.fmu"
-    export_fmu(file, "mamba", GAIT, fmi=fmi, platforms=names, author="A. Snake", model_version="1.2", license="CC0")
+    export_fmu(file, "mamba", GAIT, fmi=fmi, platform=names, author="A. Snake", model_version="1.2", license="CC0")
     assert validate_fmu(str(file)) == []
     assert set(fmpy.supported_platforms(str(file))) == ({"linux64", "darwin64"} if fmi == "2.0" else {"darwin64"})
     told = fmpy.read_model_description(str(file))
@@ -559,8 +559,8 @@ def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
     [
         ({"inputs": "references"}, "`inputs` must be 'gait' for prescribed joints, .* got 'references'."),
         ({"fmi": "1.0"}, "`fmi` must be one of `2.0`, `3.0`, got '1.0'."),
-        ({"platforms": ("linux32",)}, "`platforms` must be one of `linux64`, .*`darwin`, got 'linux32'."),
-        ({"platforms": ("wasm32",)}, "`platforms` must be one of `linux64`, .* got 'wasm32'."),
+        ({"platform": ("linux32",)}, "`platform` must be one of `linux64`, .*`darwin`, got 'linux32'."),
+        ({"platform": ("wasm32",)}, "`platform` must be one of `linux64`, .* got 'wasm32'."),
         ({"inputs": "torques"}, "`inputs` must be one of `gait`, `references`, got 'torques'."),
         ({"environment": lc.load_ground("coulomb")}, "`environment` must be of class Water, got Ground."),
         ({"path": "snake.zip"}, "`path` must be a file that ends in .fmu, got snake.zip."),

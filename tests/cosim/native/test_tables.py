@@ -84,11 +84,11 @@ def test_modules_with_coefficients_of_their_own_do_not_follow_the_waters():
 
 
 def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
-    from laticauda.cosim.fmu.exporting import _facts
+    from laticauda.cosim.fmu.description import facts_of
 
     water = lc.load_water("paper-lateral")
     names = {v.name.removeprefix("water.") for v in tables(water).variables} | {"current", "name"}
-    told = " ".join(name for name, _ in _facts(tables(water)))
+    told = " ".join(name for name, _ in facts_of(tables(water)))
     missing = [field.name for field in fields(Water) if field.name not in names]
     spoken = {
         "drag": "drag",

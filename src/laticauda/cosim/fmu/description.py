@@ -6,8 +6,12 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
+from typing import cast
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+import laticauda as lc
+from laticauda import extensions
+from laticauda.cosim.native.tables import Tables
 from laticauda.cosim.native.variables import Variable
 from laticauda.packaging import __version__
 
@@ -37,14 +41,10 @@ class Description:
 
     identifier: str
     """Name of the binary, and of the model [-]."""
-    robot: str
-    """What swims, in words [-]."""
-    facts: tuple[tuple[str, str], ...]
-    """What was chosen when it was made, and cannot be changed any more: name and value [-]."""
+    tables: Tables
+    """What swims, and its variables."""
     platforms: str
     """Processors and systems that it has a binary for [-]."""
-    variables: tuple[Variable, ...]
-    """In the order of their value references."""
     imprint: Mapping[str, str | None]
     """Author, version, license and the like, by the names of their attributes; empty ones are left out [-]."""
     version: str
@@ -67,7 +67,7 @@ class Description:
                 "guid" if is_old else "instantiationToken": guid,
                 **{name: text for name, text in imprint.items() if text},
             },
-            description=f"{self.robot} Kernels of laticauda as machine code; needs no Python.",
+            description=f"{self.tables.words} Kernels of laticauda as machine code; needs no Python.",
             generationTool=f"laticauda {__version__}",
             variableNamingConvention="structured",
         )
@@ -75,15 +75,15 @@ class Description:
         # What is left out, FMI takes as false.
         can = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
         SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
-        _add_units(root, self.variables)
+        _add_units(root, self.tables.variables)
         categories = SubElement(root, "LogCategories")
         SubElement(categories, "Category", name="logStatusError", description="What was refused, and why.")
         SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL))
         listed = SubElement(root, "ModelVariables")
-        for reference, variable in enumerate(self.variables):
+        for reference, variable in enumerate(self.tables.variables):
             _add_variable(listed, reference, variable, is_old)
         structure = SubElement(root, "ModelStructure")
-        outputs = [i for i, variable in enumerate(self.variables) if variable.causality == "output"]
+        outputs = [i for i, variable in enumerate(self.tables.variables) if variable.causality == "output"]
         # Outputs are those of the end of the last step, so no input acts on them before the next one.
         for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
             group = SubElement(structure, f"{kind}s") if is_old else structure
@@ -95,17 +95,37 @@ class Description:
 
     def page(self) -> str:
         """The file documentation/index.html."""
-        facts = "\n".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self.facts)
-        listed = "\n".join(_row(variable) for variable in self.variables)
+        facts = "\n".join(
+            f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in facts_of(self.tables)
+        )
+        listed = "\n".join(_row(variable) for variable in self.tables.variables)
         return Template(PAGE.read_text(encoding="utf-8")).substitute(
             title=escape(self.identifier),
-            robot=escape(self.robot),
+            robot=escape(self.tables.words),
             version=escape(__version__),
             fmi=self.version,
             platforms=escape(self.platforms),
             facts=facts,
             variables=listed,
         )
+
+
+def facts_of(tables: Tables) -> tuple[tuple[str, str], ...]:
+    """What was chosen when an FMU was made, and cannot be changed any more: name and value."""
+    body = tables.plant
+    water = cast(lc.Water, body.environment)
+    return (
+        ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
+        ("joints", extensions.name_of(type(body.joints))),
+        ("inputs", tables.inputs),
+        ("drag", water.drag.words),
+        ("form of the added mass", water.added_mass_form),
+        ("rotational loads", water.rotational),
+        ("trailing edge", water.trailing_edge),
+        ("friction taper", f"{water.friction_taper:g}"),
+        *([("current", water.current_words)] if water.flow else []),
+        ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
+    )
 
 
 def _add_units(root: Element, variables: Sequence[Variable]) -> None:

@@ -10,14 +10,14 @@ import time
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Unpack, cast
+from typing import Unpack
 from uuid import UUID
 
 import laticauda as lc
-from laticauda import extensions, files
+from laticauda import files
 from laticauda.cosim.fmu import description
 from laticauda.cosim.native.platforms import linked, object_codes, platforms_of, universal
-from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
+from laticauda.cosim.native.tables import identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
 from laticauda.errors import BadArgument, one_of
 from laticauda.packaging import __version__
@@ -35,7 +35,7 @@ def export_fmu(
     *,
     inputs: str = "gait",
     fmi: str = "2.0",
-    platforms: Sequence[str] = (),
+    platform: Sequence[str] = (),
     author: str | None = None,
     model_version: str | None = None,
     license: str = "MIT",
@@ -54,8 +54,8 @@ def export_fmu(
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint, and for a driven fin).
         fmi: Version of the standard: 2.0, which all tools read, or 3.0.
-        platforms: Where it is to run: linux64, aarch64 (Linux), win64, darwin; if left out, on machines like this one.
-            For others than this machine, the package ziglang has to be there.
+        platform: Where it is to run, one or several: linux64, aarch64 (Linux), win64, darwin; if left out, on machines
+            like this one. For others than this machine, the package ziglang has to be there.
         author: Who made the model, as the FMU says it.
         model_version: Of the model; laticauda's own if left out.
         license: Of the model. The text of the kernels' own is in the FMU.
@@ -73,15 +73,13 @@ def export_fmu(
     if file.suffix.lower() != ".fmu":
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
     one_of("fmi", fmi, description.VERSIONS)
-    wanted = platforms_of(platforms)
+    wanted = platforms_of(platform)
     tables = tables_for(robot, gait, inputs, **changes)
     codes = object_codes(tables.plant, wanted)
     words = description.Description(
         identifier=identifier(file.stem),
-        robot=tables.words,
-        facts=_facts(tables),
+        tables=tables,
         platforms=", ".join(one.pair for one in wanted),
-        variables=tables.variables,
         version=fmi,
         imprint={"author": author, "version": model_version or __version__, "license": license},
     )
@@ -109,23 +107,6 @@ def _now() -> str:
     """This moment, or what reproducible builds take for it; to the second, as the standard has it."""
     seconds = float(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
-
-
-def _facts(tables: Tables) -> tuple[tuple[str, str], ...]:
-    body = tables.plant
-    water = cast(lc.Water, body.environment)
-    return (
-        ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
-        ("joints", extensions.name_of(type(body.joints))),
-        ("inputs", tables.inputs),
-        ("drag", water.drag.words),
-        ("form of the added mass", water.added_mass_form),
-        ("rotational loads", water.rotational),
-        ("trailing edge", water.trailing_edge),
-        ("friction taper", f"{water.friction_taper:g}"),
-        *([("current", water.current_words)] if water.flow else []),
-        ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
-    )
 
 
 def _zipped(content: dict[str, bytes]) -> bytes:

@@ -51,7 +51,7 @@ def export_c(
         MissingProgram, MissingExtra: If there is no C compiler for that platform.
         LinkingFailed: If it fails.
     """
-    file, wanted = Path(path), platforms_of([platform] if platform else [], "platform")
+    file, wanted = Path(path), platforms_of([platform] if platform else [])
     if file.suffix.lower() != ".h":
         raise BadArgument("path", f"must be a file that ends in .h, got {path}")
     tables = tables_for(robot, gait, inputs, **changes)

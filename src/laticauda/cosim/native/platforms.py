@@ -122,19 +122,18 @@ def platform_of(name: str = "") -> Platform:
     return own
 
 
-def platforms_of(names: Sequence[str] = (), argument: str = "platforms") -> list[Platform]:
+def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
     """Platforms by their names, in our order; `darwin` means both kinds of Mac, no name the platform of this machine.
 
     Args:
         names: Of `PLATFORMS`, but for that of browsers.
-        argument: Whose names they are, in messages.
 
     Raises:
         ValueError: If there is none of a name.
     """
     libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
-        one_of(argument, name, [*(one.name for one in libraries), DARWIN.name])
+        one_of("platform", name, [*(one.name for one in libraries), DARWIN.name])
     return [one for one in libraries if one.name in names or one.system.name in names] or [platform_of()]
 
 
@@ -220,10 +219,9 @@ def compiler(platform: Platform) -> list[str]:
         MissingProgram, MissingExtra: If there is none.
     """
     wanted = shlex.split(os.environ.get("CC", "")) if platform == here() else []
-    if platform == here():
-        for command in [wanted] if wanted else [[name] for name in COMPILERS]:
-            if shutil.which(command[0]) is not None:
-                return command
+    for command in ([wanted] if wanted else [[name] for name in COMPILERS]) if platform == here() else []:
+        if shutil.which(command[0]) is not None:
+            return command
     if not wanted and importlib.util.find_spec("ziglang") is not None:
         return [sys.executable, "-m", "ziglang", "cc", "-target", f"{platform.processor}-{platform.system.zig}"]
     if platform != here():
