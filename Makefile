@@ -76,6 +76,7 @@ pytest: $(DEV)
 
 docs: $(DOCS)  ## Build the documentation into site/
 	@$(BIN)/zensical build --clean --strict
+	@$(BIN)/laticauda export web site/swim
 
 bench: $(PACKAGE)  ## Speed, one script per question
 	@for script in benchmarks/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done

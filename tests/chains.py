@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
+from itertools import pairwise
 
 import numpy as np
 import printed_equations as equations
@@ -147,10 +148,30 @@ def fill(a: Layout, state: State):
     return S, body
 
 
+class CutFin(CaudalFin):
+    """A rigid fin that is cut where its strips begin, which makes links with locked joints of them."""
+
+    edges = ()
+
+    @property
+    def pieces(self):
+        (whole,) = super().pieces
+        ends = [0.0, *(edge for edge in self.edges if 1e-9 < edge < self.length - 1e-9), self.length]
+        return tuple(
+            replace(whole, begin=begin, end=end, mass=whole.mass * (end - begin) / self.length)
+            for begin, end in pairwise(ends)
+        )
+
+
 @lru_cache(maxsize=8)
 def laid_out(robot, water, fin_as_links):
-    """The layout, once for all states of a robot."""
-    return layout(robot, water, fin_as_links=fin_as_links)
+    """The layout, once for all states of a robot; the accelerations do not depend on how a rigid fin is made."""
+    coefficients = link_coefficients(robot, water)
+    if fin_as_links and robot.caudal_fin is not None:
+        fin, strips = CutFin(**vars(robot.caudal_fin)), coefficients.fin
+        object.__setattr__(fin, "edges", (-strips.position - strips.half_length).tolist())
+        robot = replace(robot, caudal_fin=fin)
+    return layout(robot, water, coefficients=coefficients)
 
 
 def recursion(robot, water, state, *, joint_acceleration=None, joint_torque=None, fin_as_links=False):

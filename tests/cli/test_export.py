@@ -92,7 +92,7 @@ def test_a_library_in_c_is_written_beside_its_header(run, folder):
         ("export c robot.c", "OUTPUT must be a file that ends in .h, got robot.c."),
         ("export c robot.h --platform vax", "--platform must be one of `linux64`, "),
         ("export fmu robot.fmu --normal-drag -1", "--normal-drag must be >= 0, got -1"),
-        ("export", "Expected one of {mjcf, urdf, fmu, c}."),
+        ("export", "Expected one of {mjcf, urdf, fmu, c, web}."),
     ],
 )
 def test_bad_input_is_refused_by_name(run, folder, line, message):

@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import laid_out
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
 from laticauda.fluid.laws import CoulombFriction, FunctionDrag, PolynomialDrag
-from laticauda.planar.layout import layout
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Actuator, CaudalFin, Ground, Joint, PectoralFin, Tether, load_robot, load_water
 
@@ -24,7 +24,7 @@ def test_a_fin_of_links_swims_like_a_folded_fin():
     paths = []
     for fin_as_links in (False, True):
         plant = PlanarPlant(robot=robot, environment=WATER)
-        vars(plant)["layout"] = layout(robot, WATER, fin_as_links=fin_as_links)
+        vars(plant)["layout"] = laid_out(robot, WATER, fin_as_links)
         log = plant.march(plant.init(start, command), command, 5.0, 0.1, link_forces=True)[1]
         paths.append((log.center_of_mass, log.joint_torque, log.link_force["drag"], log.link_force["added_mass"]))
     for folded, links in zip(*paths, strict=True):

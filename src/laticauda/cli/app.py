@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "export urdf": ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
     "export fmu": ("export:Fmu", "Write a robot in water to an FMU, for Simulink, OpenModelica and others."),
     "export c": ("export:C", "Write a robot in water to a library in C, for robots' own computers and others."),
+    "export web": ("export:Web", "Write a page on which robots swim in a browser, without a server."),
     "lab": ("lab:LabCommand", "Run the virtual tank: the robot on a CAN bus, cameras and a power meter."),
     "operate": ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
     "replay": ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),

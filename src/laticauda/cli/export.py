@@ -1,4 +1,4 @@
-"""`laticauda export mjcf | urdf | fmu`: a robot as a file for other programs."""
+"""`laticauda export mjcf | urdf | fmu | c | web`: a robot as a file for other programs."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -147,6 +147,25 @@ class C(Compiled):
         from laticauda.cosim.native.library import export_c
 
         return self.written(export_c, "platform", "static")
+
+
+@value
+class Web(command.Command):
+    """Write a page on which robots swim, a folder of files that needs no server: open its index.html in a browser.
+
+    For example: laticauda export web page --robots mamba-fin amphibot
+    """
+
+    output: flags.Output = option("The folder to write; files of an older page are replaced")
+    robots: flags.Files = option("Presets or TOML files, the first one at once; none: our choice", default=())
+
+    def run(self) -> command.Outcome:
+        """Write the files."""
+        from laticauda.cosim.web import export_web
+
+        sizes = [path.stat().st_size for path in export_web(self.output, self.robots)]
+        text = f"{self.output}: {len(sizes)} files ({sum(sizes) / 1000.0:.0f} kB); open {self.output}/index.html"
+        return command.Outcome(facts={"output": self.output, "size": sum(sizes)}, text=text)
 
 
 def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:

@@ -1,6 +1,5 @@
 """What swims, how and where: names are read first, and what they stand for is what further flags change."""
 
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import fields, replace
@@ -17,6 +16,7 @@ from laticauda.codec import BadKey, updated
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.flow import Flow
+from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Choice, Model, Scenario, Spatial, load_scenario, model_of, named_after
 
@@ -55,12 +55,7 @@ class Names(Choice):
         """Mamba's first trial of the paper, with the envelope that is asked for; or what was recorded."""
         if self.joint_angles is not None:
             return lc.recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
-        return lc.Gait(
-            envelope=self._envelope(),
-            amplitude=math.radians(30.0),
-            frequency=math.radians(130.0),
-            phase_shift=math.radians(40.0),
-        )
+        return replace(FIRST_GAIT, envelope=self._envelope())
 
     def _envelope(self) -> lc.Envelope:
         if (self.envelope is None) == (self.gait == "custom"):

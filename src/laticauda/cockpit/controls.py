@@ -13,6 +13,7 @@ from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.simulation import STILL, Changes, depth_of, path_of, with_fin
 from laticauda.control import StraightLine
+from laticauda.cosim.web.exporting import LIMITS
 from laticauda.errors import positive, within
 from laticauda.extensions import name_of
 from laticauda.fluid.flow import Flow
@@ -23,13 +24,6 @@ from laticauda.robot import CaudalFin, Robot, Water, current_names, load_current
 from laticauda.robot.environment import Current
 from laticauda.scenarios import MODELS, Scenario
 
-# Of the gait's numbers: limits and step in degrees and degrees per second, the paper's sweeps and some more.
-LIMITS = {
-    "amplitude": (0.0, 60.0, 1.0),
-    "frequency": (0.0, 220.0, 5.0),
-    "phase_shift": (-90.0, 90.0, 1.0),
-    "offset": (-20.0, 20.0, 0.5),
-}
 PITCH = "pitch_"  # what the names of the pitch wave's controls begin with
 PITCH_LIMITS = {**LIMITS, "amplitude": (0.0, 45.0, 1.0), "phase": (-180.0, 180.0, 5.0)}
 DEEPEST = 10.0  # that can be asked for [m]

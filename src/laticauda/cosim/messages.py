@@ -12,7 +12,7 @@ from laticauda import robot
 from laticauda.codec import decode, table_of, updated
 from laticauda.errors import BadArgument, one_of, within
 from laticauda.gaits import Gait
-from laticauda.gaits.gait import Wave
+from laticauda.gaits.gait import FIRST_GAIT, Wave
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, Current, Robot, Water, load_robot
@@ -76,8 +76,6 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} has no place in JSON")
 
 
-# Mamba's first trial of the paper.
-FIRST_GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0))
 MOST_LINKS = 200
 LISTS = ("references", "enabled", "thrusts", "deflections")
 HELD = ("gait", "offset", "pitch_offset", *LISTS, "current")

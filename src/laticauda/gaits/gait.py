@@ -1,7 +1,7 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import pi
+from math import pi, radians
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack, cast
 
 from laticauda.errors import BadArgument, finite, whole
@@ -133,6 +133,10 @@ class Gait:
             ValueError: If a custom envelope has another number of joints.
         """
         return self.envelope.joints(n_links)
+
+
+FIRST_GAIT = Gait(amplitude=radians(30.0), frequency=radians(130.0), phase_shift=radians(40.0))
+"""Mamba's first trial of the paper."""
 
 
 class GaitFields(WaveFields, total=False):

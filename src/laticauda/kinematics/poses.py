@@ -108,17 +108,17 @@ class Posture:
     @property
     def link_centers(self) -> Points:
         """Middle of each body link's length; the link's own center of mass may be off it."""
-        return self._at(_levers(self.robot).center)
+        return self._at(levers(self.robot).center)
 
     @property
     def link_ends(self) -> Points:
         """Tail end, every joint and head end of the body: the posture as one line of n_links + 1 points."""
-        return self._at(_levers(self.robot).end)
+        return self._at(levers(self.robot).end)
 
     @property
     def fin_line(self) -> Points:
         """The fin as a line: trailing edge, hinges, root. Without a fin both ends are the tail end."""
-        return self._at(_levers(self.robot).fin)
+        return self._at(levers(self.robot).fin)
 
     @property
     def trailing_edge(self) -> Vectors:
@@ -157,7 +157,7 @@ def center_of_mass(
     Raises:
         ValueError: If an array does not fit the robot, or it has no such link.
     """
-    row = _levers(robot).center[[_link_index(link, robot.n_links)]]
+    row = levers(robot).center[[_link_index(link, robot.n_links)]]
     position = _columns("position", position, 2, "x and y")
     link_angle = _columns("link_angle", link_angle, robot.n_links)
     angles = _with_fin(robot, link_angle, fin_angle)
@@ -165,7 +165,7 @@ def center_of_mass(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Levers:
+class RobotLevers:
     """Rows b of the points of one robot, relative to its center of mass; the fin's pieces come first."""
 
     center: Float[np.ndarray, "n_links n_pieces_and_links"]
@@ -177,8 +177,13 @@ class _Levers:
 
 
 @lru_cache(maxsize=64)
-def _levers(robot: Robot) -> _Levers:
-    """The rows of levers: first from the tail end, then shifted by the center of mass, which is such a row itself."""
+def levers(robot: Robot) -> RobotLevers:
+    """The levers of a robot's points, which a page draws it by.
+
+    Args:
+        robot: Whose.
+    """
+    # First from the tail end, then shifted by the center of mass, which is such a row itself.
     pieces = robot.caudal_fin.pieces[::-1] if robot.caudal_fin is not None else ()
     length = np.array([*(piece.length for piece in pieces), *(module.length for module in robot.modules)])
     mass = np.array([*(piece.mass for piece in pieces), *(module.mass for module in robot.modules)])
@@ -190,7 +195,7 @@ def _levers(robot: Robot) -> _Levers:
     center = 0.5 * (end[:-1] + end[1:])
     to_center = mass @ (center + np.diag(off_middle)) / np.sum(mass)
     fin = end[: f + 1] if pieces else end[[0, 0]]
-    return _Levers(center=center[f:] - to_center, end=end[f:] - to_center, fin=fin - to_center)
+    return RobotLevers(center=center[f:] - to_center, end=end[f:] - to_center, fin=fin - to_center)
 
 
 def _with_fin(robot: Robot, link_angle: Angles, fin_angle: FinAngles | None) -> np.ndarray:

@@ -1,6 +1,6 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 from typing import NamedTuple, cast
@@ -69,7 +69,6 @@ def layout(
     environment: robots.Environment,
     *,
     joints: JointLaw | None = None,
-    fin_as_links: bool = False,
     coefficients: Coefficients | None = None,
 ) -> Layout:
     """Lay out a planar robot for the kernels.
@@ -78,8 +77,6 @@ def layout(
         robot: All joints turn about the vertical axis (see `Robot.planar`).
         environment: The water it swims in or the ground it crawls on.
         joints: How the driven joints follow the gait; None: they are prescribed.
-        fin_as_links: Keep the strips of a rigid fin as links with locked joints instead of folding them into the tail
-            link; the accelerations are the same.
         coefficients: `link_coefficients` of the two, if they are known already.
 
     Returns:
@@ -87,7 +84,7 @@ def layout(
     """
     joints = joints or Prescribed()
     coefficients = coefficients or link_coefficients(robot, environment)
-    links, fin = _links_and_fin(robot, coefficients, joints, fin_as_links=fin_as_links)
+    links, fin = _links_and_fin(robot, coefficients, joints)
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
@@ -125,7 +122,7 @@ def layout(
 
 
 def _links_and_fin(
-    robot: robots.Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
+    robot: robots.Robot, coefficients: Coefficients, joints: JointLaw
 ) -> tuple[list[_Body], list[_Body]]:
     """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
@@ -134,21 +131,17 @@ def _links_and_fin(
     links = [_Body(length=m.length, parts=[part[id(m)]]) for m in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []
-    fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code, as_links=fin_as_links)
-    if len(fin) == 1 and fin[0].law == rows.LOCKED and not fin_as_links:
+    fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code)
+    if len(fin) == 1 and fin[0].law == rows.LOCKED:
         _fold(links[0], fin.pop())
     return links, fin
 
 
-def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int, *, as_links: bool) -> list[_Body]:
-    """Cut the fin at its hinges, none of which cuts a strip, or at all strips; `joints` is the law of a driven root."""
+def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> list[_Body]:
+    """Cut the fin at its hinges, none of which cuts a strip; `joints` is the law of a driven root."""
     middle = -strips.position
-    pieces = fin.pieces
-    if as_links:
-        edges = middle - strips.half_length
-        pieces = [finer for piece in pieces for finer in _cut(piece, edges)]
     bodies: list[_Body] = []
-    for piece in pieces:
+    for piece in fin.pieces:
         joint = fin.joint if piece.begin == 0.0 else None
         passive = rows.LOCKED if piece.hinge is None else rows.PASSIVE
         bodies.append(
@@ -161,15 +154,6 @@ def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int, *, as_
             )
         )
     return bodies
-
-
-def _cut(piece: robots.Piece, edges: np.ndarray) -> Iterator[robots.Piece]:
-    """A piece in parts, cut where strips begin inside it."""
-    inside = edges[(edges > piece.begin + 1e-9) & (edges < piece.end - 1e-9)]
-    ends = [piece.begin, *map(float, inside), piece.end]
-    for i, begin in enumerate(ends[:-1]):
-        mass = piece.mass * (ends[i + 1] - begin) / piece.length
-        yield replace(piece, begin=begin, end=ends[i + 1], mass=mass, hinge=None if i else piece.hinge)
 
 
 def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:

@@ -196,16 +196,17 @@ class PlanarPlant(Plant[Planar]):
     def _size(self) -> int:
         return rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
 
-    def _stable_step(self) -> float:
-        """The time constant of the link that the drag stops fastest."""
+    def stopping(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """What stops elements: the slopes of their drag [kg/s], first across and then along them, and masses [kg]."""
         along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
         c, fin = self.coefficients, self.robot.caudal_fin
         free = [c] if c.fin is None or fin is None or not fin.hinges else [c, c.fin]
-        rate = max(
-            float(slope.max())
-            for e in free
-            for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
-        )
+        pairs = [((across * e.c_n, e.mass + e.mu_n), (along * e.c_t, e.mass + e.mu_t)) for e in free]
+        return [one for pair in pairs for one in pair]
+
+    def _stable_step(self) -> float:
+        """The time constant of the link that the drag stops fastest."""
+        rate = max(float((drag / mass).max()) for drag, mass in self.stopping())
         if not rate < 1.0 / LEAST_DT:
             raise BadArgument(
                 "environment",

@@ -83,6 +83,7 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
         _parameter("dt", "s", "", plant.dt, (LEAST_DT, 1e3), clock),
         *_start(plant, start),
         *_water(plant, water),
+        *_plate(plant),
         *driven,
         *_current(plant, water),
         *_motion(),
@@ -143,6 +144,17 @@ def _water(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
     yield from _law("water.drag", water.drag, rows.LAW)
     if plant.joints.own is not None:
         yield from _law("joints", plant.joints, rows.JOINT_LAW)
+
+
+def _plate(plant: PlanarPlant) -> Iterator[Variable]:
+    """Of a fin that bends, to which the stiffness of each of its hinges is in proportion."""
+    fin = plant.robot.caudal_fin
+    if fin is None or fin.flexural_rigidity is None or not fin.hinges:
+        return
+    now, text = fin.flexural_rigidity, "Flexural rigidity of the fin that bends."
+    first = [_record(plant.layout.tail_link - k) + rows.STIFFNESS for k in plant.robot.fin_joints if k > 0]
+    shares = tuple((row, hinge.stiffness / now) for row, hinge in zip(first, fin.hinges, strict=True))
+    yield _parameter("fin.flexural_rigidity", "N.m2", "E I", now, (TINY, math.inf), text, rows=shares)
 
 
 def _law(prefix: str, law: formulas.Law, first: int) -> Iterator[Variable]:

@@ -1,0 +1,208 @@
+"""A page without a server: a folder of files in which robots swim, in any browser.
+
+The kernels that `laticauda.swim` runs are compiled to WebAssembly; what differs from robot to robot, and all that the
+page says about its sliders, is data.
+"""
+
+import base64
+import json
+import math
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
+from typing import Any, cast, get_args
+
+import numpy as np
+
+import laticauda as lc
+from laticauda import control, files, gaits
+from laticauda.codec import encode
+from laticauda.cosim.native import entry, platforms
+from laticauda.cosim.native.tables import Variable, tables_of
+from laticauda.extensions import name_of
+from laticauda.gaits.gait import FIRST_GAIT
+from laticauda.kinematics import levers
+from laticauda.packaging import __version__
+from laticauda.planar import rows
+from laticauda.planar.model import PlanarPlant
+from laticauda.quantities import DEGREES, hints_of, quantities_of, texts_of
+from laticauda.robot import CaudalFin
+from laticauda.scenarios import default_water
+
+ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
+"""Presets that a page has if nobody says which."""
+MOTION = rows.ANGLE, rows.RATE
+
+LIMITS = {
+    "amplitude": (0.0, 60.0, 1.0),
+    "frequency": (0.0, 220.0, 5.0),
+    "phase_shift": (-90.0, 90.0, 1.0),
+    "offset": (-20.0, 20.0, 0.5),
+}
+"""Of the gait's numbers: limits and step in degrees and degrees per second, the paper's sweeps and some more."""
+WATER = {"tangential_friction": (0.0, 1.0, 0.005), "normal_drag": (0.0, 4.0, 0.05), "added_mass": (0.0, 3.0, 0.05)}
+STEERING = {
+    "look_ahead_distance": (0.05, 3.0, 0.01),
+    "integral_gain": (0.0, 0.5, 0.01),
+    "gain": (0.05, 1.5, 0.05),
+    "max_offset": (1.0, 30.0, 1.0),
+}
+RIGIDITY, CURRENT = (0.02, 1.0, 0.01), (-0.3, 0.3, 0.005)
+WORKS = {"mechanical_work": "work_absolute", "net_work": "work_net", "positive_work": "work_positive"}
+LOGGED = ("time", "center", "heading", "link", "joint", "fin_", *WORKS, "electrical_work")
+"""What the names of variables begin with that a trial has, too."""
+ELASTIC: Any = {"n_hinges": 3, "flexural_rigidity": 0.2}
+"""A fin that bends [-], [N m^2]."""
+
+
+def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()) -> tuple[Path, ...]:
+    """Write a page on which robots swim, without a server: `index.html` in the folder opens it, from a disk too.
+
+    Args:
+        folder: Where; what it has of an older page is replaced.
+        robots: Which can be chosen, the first one at once: presets, files or robots. None: `ROBOTS`.
+
+    Returns:
+        The files.
+
+    Raises:
+        RobotFileError: If there is no robot of a name.
+        MissingExtra: If the package `ziglang`, which links WebAssembly, is not installed.
+    """
+    place = Path(folder)
+    entries = [_entry(one) for one in robots or ROBOTS]
+    plants = {fin["law"]: fin.pop("plant") for one in entries for fin in one["fins"].values()}
+    made = {law: base64.b64encode(_wasm(plant)).decode() for law, plant in plants.items()}
+    data = {
+        "version": __version__,
+        "interval": lc.Following().interval,  # of samples, too
+        "choices": {name: get_args(hints_of(lc.Following)[name]) for name in ("guidance", "heading_estimate")},
+        "sliders": _sliders(),
+        "robots": entries,
+    }
+    content = {path.name: path.read_text("utf-8") for path in Path(__file__).with_name("page").iterdir()}
+    content["kernels.js"] = f"const KERNELS = {json.dumps(made)};\n"
+    content["robots.js"] = f"const PAGE = {json.dumps(data, separators=(',', ':'), ensure_ascii=False)};\n"
+    place.mkdir(parents=True, exist_ok=True)
+    for name, text in content.items():
+        files.write(place / name, text)
+    return tuple(place / name for name in sorted(content))
+
+
+def _wasm(plant: PlanarPlant) -> bytes:
+    """What swims, for one drag law."""
+    browser = platforms.platform_of("wasm32")
+    platforms.compiler(browser)  # before the kernels, which take seconds
+    return platforms.linked(platforms.object_code(plant.law, plant.joints, plant.flow.kinds, browser), browser)
+
+
+# ---- what a page knows -----------------------------------------------------------------------------------------------
+
+
+def _sliders() -> list[dict[str, Any]]:
+    """All of them, in their order on the page: group, kernels' variable ("" of path following), flag, words, limits."""
+    water, following = lc.load_water("paper-lateral"), control.Following()
+    return [
+        *(_slider("gait", FIRST_GAIT, field, limits, f"gait.{field}") for field, limits in LIMITS.items()),
+        _slider("fin", CaudalFin(**ELASTIC), "flexural_rigidity", RIGIDITY, "fin.flexural_rigidity"),
+        *(_slider("water", water, field, limits, f"water.{field}") for field, limits in WATER.items()),
+        *(_slider("current", water, "current", CURRENT, f"current.{axis}", f" {axis}") for axis in "xy"),
+        *(_slider("path", following, field, limits, "") for field, limits in STEERING.items()),
+    ]
+
+
+def _slider(group: str, owner: object, field: str, limits: Any, variable: str, axis: str = "") -> dict[str, Any]:
+    """One of them; the owner has what it shows if nobody moves it."""
+    unit, now = quantities_of(type(owner))[field].unit, getattr(owner, field)
+    return {
+        "group": group,
+        "field": field,
+        "variable": variable,
+        "flag": (field + DEGREES.get(unit, "") + axis).replace("_", "-").replace(" ", "-"),
+        "label": field.replace("_", " ") + axis,
+        "unit": unit.replace("rad", "°").replace("^2", "²"),
+        "text": texts_of(type(owner))[field],
+        **dict(zip(("low", "high", "step"), limits, strict=True)),
+        "factor": math.radians(1.0) if unit in DEGREES else 1.0,
+        "usual": round(math.degrees(now), 9) if unit in DEGREES else 0.0 if axis else now,
+    }
+
+
+def _entry(given: str | lc.Robot) -> dict[str, Any]:
+    """A robot, or what `load_robot` takes, with each fin that it can have."""
+    own = given if isinstance(given, lc.Robot) else lc.load_robot(given)
+    fins, fin = {"rigid" if own.caudal_fin else "none": own}, own.caudal_fin
+    if fin is not None and not fin.n_hinges and fin.joint is None:
+        fins["elastic"] = replace(own, caudal_fin=replace(fin, **ELASTIC))
+    return {
+        "name": given if isinstance(given, str) else own.name,
+        "title": own.description or own.name,
+        "fins": {name: _body(one) for name, one in fins.items()},
+    }
+
+
+def _body(body: lc.Robot) -> dict[str, Any]:
+    plant, none, one = (cast(PlanarPlant, lc.plant(one)) for one in _in_waters(lc.scenario(body, FIRST_GAIT)))
+    tables = tables_of(plant, FIRST_GAIT, lc.Start(), inputs="gait")
+    number = {variable.name: i for i, variable in enumerate(tables.variables)}
+    water = [number[f"water.{name}"] for name in WATER]
+    ends, fin = levers(plant.robot), plant.robot.caudal_fin
+    bodies = [rows.HEADER_ROWS + i * rows.BODY_ROWS for i in range(1, plant.layout.n_bodies)]
+    return {
+        "plant": plant,
+        "plate": {} if fin is None else encode(fin),
+        "law": name_of(type(plant.law)),
+        "whole": tables.whole.tolist(),
+        "real": tables.real.tolist(),
+        "n_rows": tables.n_rows + entry.SCRATCH,
+        "first": [variable.start for variable in tables.variables],
+        "number": number,
+        "columns": [[_column(one), i] for i, one in enumerate(tables.variables) if one.name.startswith(LOGGED)],
+        # The rows that go on when the water's numbers change: all that `Plant.pack` keeps.
+        "state": [*range(rows.TIME, rows.TIME + rows.LOG_STATE), *(b + row for b in bodies for row in MOTION)],
+        "angles": _angles(plant, number),
+        "ends": ends.end.tolist(),
+        "fin": ends.fin.tolist(),
+        "width": [module.section.half_width for module in plant.robot.modules],
+        "limits": [joint.limit for joint in plant.robot.joints],
+        "dt": none.dt,
+        # How fast the drag stops every element, which limits the step: (p + q C) / (m + k C'), C and C' variables.
+        "slopes": [
+            row
+            for (p, m), (c, mass), of in zip(none.stopping(), one.stopping(), cycle(water[1::-1]))
+            for row in np.stack(np.broadcast_arrays(p, c - p, of, m, mass - m, water[2]), axis=1).tolist()
+        ],
+        "kinds": {kind: _kind(plant, kind) for kind in ("lateral_undulation", "eel_like")},
+    }
+
+
+def _in_waters(given: lc.Scenario) -> Iterator[lc.Scenario]:
+    """The scenario in its own water, and in others with coefficients of 0 and 1: in between all is in proportion."""
+    yield given
+    for value in (0.0, 1.0):
+        yield replace(given, environment=replace(cast(Any, given.environment), **dict.fromkeys(WATER, value)))
+
+
+def _kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
+    """What goes along with a kind of gait: its envelope, and the default water's coefficients."""
+    gait = replace(FIRST_GAIT, envelope=gaits.envelope_of(kind))
+    water = default_water(plant.robot, gait)
+    coefficients = {f"water.{name}": getattr(water, name) for name in WATER}
+    return {"envelope": gait.joint_envelope(plant.robot.n_links), "water": coefficients}
+
+
+def _column(one: Variable) -> str:
+    """What a trial's own file in CSV calls it (`laticauda trial convert`)."""
+    name = WORKS.get(one.name, one.name).replace("[", "_").replace("]", "").replace(".", "_")
+    return f"{name} [{one.unit.replace('/s', ' s-1').replace('.', ' ')}]"
+
+
+def _angles(plant: PlanarPlant, number: dict[str, int]) -> list[list[tuple[int, float]]]:
+    """Of every piece of the fin, the last one first, and every link: variables and factors whose sum is its angle."""
+    tail, joints = [(number["link_angle[0]"], 1.0)], plant.robot.fin_joints
+    n_pieces = levers(plant.robot).end.shape[1] - plant.robot.n_links
+    bends = [[(number[f"fin_angle[{k}]"], -1.0) for k in joints if k <= piece] for piece in range(n_pieces)]
+    links = ([(number[f"link_angle[{i}]"], 1.0)] for i in range(plant.robot.n_links))
+    return [*(tail + bent for bent in reversed(bends)), *links]
