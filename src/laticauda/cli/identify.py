@@ -146,8 +146,8 @@ class Identify(Command):
             if was_typed(name, self.words):
                 raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
         task = tasks.load_task(self.files[0])
-        names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
-        typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
+        names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
+        typed = {tasks.OPTIONS[name]: getattr(self.method, name) for name in names}
         return replace(task, options={**task.options, **typed}, name=self.name or task.name)
 
     def _table(self) -> dict[str, Any]:

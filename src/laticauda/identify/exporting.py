@@ -12,19 +12,11 @@ from laticauda.extensions import name_of
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolution import with_tied
 from laticauda.quantities import quantities_of
-from laticauda.robot.parameters import GAITS, OF_ROBOT
+from laticauda.robot.parameters import GAITS, NAMES, OF_ROBOT
 from laticauda.simulate.numbers import changed, parameters
 
 Changes = dict[str, dict[str, Any]]
 Values = Mapping[str, float]
-
-_TABLES = {
-    "robot.joint.actuator": "actuator",
-    "robot.joint": "joint",
-    "robot.caudal_fin": "caudal_fin",
-    "robot.tether": "tether",
-    "robot": "robot",
-}
 
 
 def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: str) -> lc.Scenario:
@@ -91,8 +83,8 @@ def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
         if not name.startswith("robot."):
             continue
         way, _, last = name.rpartition(".")
-        table = _TABLES.get(way)
-        if table is None or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
+        table = way.removeprefix("robot.").removeprefix("joint.")
+        if table not in NAMES or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
             rule = f"must be numbers that a parameter file has a table for, got `{name}`"
             raise BadArgument("parameters", f"{rule}; `Fit.robot` makes a robot with it")
         result.setdefault(table, {})[last] = value

@@ -231,32 +231,24 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
         nuisance: Values of `NUISANCE` by name; what is missing is 0.
     """
     ahead, left = nuisance.get("measured.offset_x", 0.0), nuisance.get("measured.offset_y", 0.0)
-    turned, more = nuisance.get("measured.heading_offset", 0.0), nuisance.get("measured.power_offset", 0.0)
-    shift = np.array([nuisance.get(f"start.{name}", 0.0) for name in "xy"])  # water is everywhere the same
-    figures: list[Any] = []
-    for name in measurement.figures:
-        value: Any = run[name]
+
+    def shown(name: str, of: str = "") -> Any:
+        value = run[f"{name}{of}"]
         if name == "heading":
-            value = value + turned
-        elif name == "mean_power":
-            value = value + more
-        elif name == "x":
-            value = value + shift[0] + ahead * np.cos(run["heading"]) - left * np.sin(run["heading"])
-        elif name == "y":
-            value = value + shift[1] + ahead * np.sin(run["heading"]) + left * np.cos(run["heading"])
-        figures.append(value)
-    parts = [np.array(figures)]
-    for name in measurement.series:
-        value = run[f"{name} series"]
-        if name == "heading":
-            value = value + turned
-        elif name == "center_of_mass":
-            value = value + shift
-            if ahead != 0.0 or left != 0.0:
-                c, s = np.cos(run["heading series"]), np.sin(run["heading series"])
-                value = value + np.stack((ahead * c - left * s, ahead * s + left * c), axis=1)
-        parts.append(np.ravel(value))
-    return np.concatenate(parts)
+            return value + nuisance.get("measured.heading_offset", 0.0)
+        if name == "mean_power":
+            return value + nuisance.get("measured.power_offset", 0.0)
+        if name not in ("x", "y", "center_of_mass"):
+            return value
+        c, s = np.cos(run[f"heading{of}"]), np.sin(run[f"heading{of}"])
+        offset = {"x": ahead * c - left * s, "y": ahead * s + left * c}
+        start = {axis: nuisance.get(f"start.{axis}", 0.0) for axis in "xy"}  # water is everywhere the same
+        if name in offset:
+            return value + start[name] + offset[name]
+        return value + np.array([*start.values()]) + np.stack((offset["x"], offset["y"]), axis=-1)
+
+    figures = np.array([shown(name) for name in measurement.figures])
+    return np.concatenate([figures, *(np.ravel(shown(name, " series")) for name in measurement.series)])
 
 
 def mean_of_the_greatest(n: int) -> float:

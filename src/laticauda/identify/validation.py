@@ -129,13 +129,15 @@ class Validation:
     profiles: tuple[uncertainty.Profile, ...]
     """Intervals from the likelihood itself, if asked for."""
 
-    def error(self, predictions: Float[np.ndarray, " n_data"] | None) -> float | None:
-        """Mean error of the forward velocity, in percent; None without such measurements or predictions."""
-        measured = any("forward_velocity" in one.figures for one in self.found.problem.measurements)
-        if predictions is None or not measured:
-            return None
-        error = self.found.percentage_error(predictions=predictions)
-        return error if math.isfinite(error) else None
+    @property
+    def errors(self) -> dict[str, float | None]:
+        """Mean errors of the forward velocity, by their names in `NullModel` [%]; None where there is none."""
+        groups = np.full_like(self.left_out, np.nan) if self.by_group is None else self.by_group.predictions
+        every = {"fitted": self.found.predictions, "left_out": self.left_out, "group_left_out": groups}
+        if not any("forward_velocity" in one.figures for one in self.found.problem.measurements):
+            return dict.fromkeys(every)
+        errors = {name: self.found.percentage_error(predictions=one) for name, one in every.items()}
+        return {name: error if math.isfinite(error) else None for name, error in errors.items()}
 
 
 def validate(

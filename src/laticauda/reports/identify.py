@@ -97,13 +97,11 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         "noise": found.method.noise,
         "confidence": found.method.confidence,
         "errors_percent": {
-            "fitted": done.error(found.predictions),
-            "left_out": done.error(done.left_out),
+            **done.errors,
             "left_out_is_linearized": done.is_linearized,
-            "group_left_out": done.error(None if done.by_group is None else done.by_group.predictions),
             "null_models": [
                 {"name": null.name, "n_parameters": null.n_parameters}
-                | {name: finite(getattr(null, name)) for name in ("fitted", "left_out", "group_left_out")}
+                | {name: finite(getattr(null, name)) for name in done.errors}
                 for null in done.null_models
             ],
         },
@@ -153,7 +151,7 @@ def identification_tables(done: Validation) -> "dict[str, DataFrame]":
         "starts": _starts(done),
         "correlations": _correlations(done),
         "began": _began(done),
-        "errors": [] if done.error(done.found.predictions) is None else errors_of({"this fit": done}),
+        "errors": [] if done.errors["fitted"] is None else errors_of({"this fit": done}),
     }
     return {name: DataFrame(found) for name, found in rows.items() if found}
 
@@ -251,11 +249,10 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
     """
     models: list[tuple[Any, ...]] = []
     for name, done in every.items():
-        by_group = None if done.by_group is None else done.by_group.predictions
-        errors = [done.error(one) for one in (done.found.predictions, done.left_out, by_group)]
-        models.append((name, len(done.found.estimates), done.found.chi2, *errors))
-    for null in next(iter(every.values())).null_models:
-        errors = [finite(one) for one in (null.fitted, null.left_out, null.group_left_out)]
+        models.append((name, len(done.found.estimates), done.found.chi2, *done.errors.values()))
+    first = next(iter(every.values()))
+    for null in first.null_models:
+        errors = [finite(getattr(null, name)) for name in first.errors]
         models.append((f"null model: {null.name}", null.n_parameters, None, *errors))
     heads = ("model", "numbers fitted", "chi^2", "fitted [%]", "measurement left out [%]", "group left out [%]")
     return [dict(zip(heads, model, strict=True)) for model in models]
