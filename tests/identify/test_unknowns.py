@@ -5,7 +5,7 @@ from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown
 from laticauda.identify.problem import make_problem
-from laticauda.identify.resolution import RANGE
+from laticauda.identify.unknowns import RANGE
 
 MEASURED = speeds(2)
 

@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.errors import BadArgument
 from laticauda.extensions import name_of
 from laticauda.identify.problem import Problem
-from laticauda.identify.resolution import with_tied
+from laticauda.identify.unknowns import with_tied
 from laticauda.quantities import quantities_of
 from laticauda.robot.parameters import GAITS, NAMES, OF_ROBOT
 from laticauda.simulate.numbers import changed, parameters

@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.identify import resolution, unknowns
+from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement, measured_values
 from laticauda.identify.measurements import Run as Raw
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
@@ -181,7 +181,7 @@ def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values
 
 
 def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: float) -> Scenario:
-    return changed(scenario, resolution.with_tied(scenario, name, value, tied))
+    return changed(scenario, unknowns.with_tied(scenario, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:

@@ -10,9 +10,9 @@ from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import BadArgument, instance
 from laticauda.extras import optional_import
+from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.resolution import dependence, known_numbers, resolve, split_name, with_tied
-from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown, as_unknowns
+from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown
 from laticauda.interfaces import Resumed, Start
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
@@ -178,7 +178,7 @@ class Problem:
                 if moves and name in SIMULATED:
                     start = shifted(start, name, float(value))
                 elif moves and name not in NUISANCE:
-                    wanted |= with_tied(scenario, name, float(value), unknown.tied)
+                    wanted |= unknowns.with_tied(scenario, name, float(value), unknown.tied)
             key = id(scenario.robot), id(scenario.environment), tuple(wanted.items())
             if key not in made:
                 made[key] = changed(scenario, wanted)
@@ -219,13 +219,13 @@ def make_problem(
     _check_one_body(given, robot or given[0].scenario.robot)
     given = _by_one_model(given, _common_model(given, **changes))
     scenarios = tuple(one.scenario for one in given)
-    known = known_numbers(scenarios)
+    known = unknowns.known_numbers(scenarios)
     scopes = [{m.scenario.gait.kind, m.group, m.name} for m in given]
-    asked = as_unknowns(wanted)
-    names = [split_name(unknown, scopes, known) for unknown in asked]
-    moves = dependence(names, scopes, known)
-    unknowns = tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
-    return with_starts(Problem(measurements=given, unknowns=unknowns, moves=moves, threads=threads))
+    asked = unknowns.as_unknowns(wanted)
+    names = [unknowns.split_name(unknown, scopes, known) for unknown in asked]
+    moves = unknowns.dependence(names, scopes, known)
+    resolved = tuple(unknowns.resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
+    return with_starts(Problem(measurements=given, unknowns=resolved, moves=moves, threads=threads))
 
 
 def with_starts(problem: Problem) -> Problem:
@@ -242,8 +242,8 @@ def with_starts(problem: Problem) -> Problem:
             if name not in known:
                 added.append((i, ResolvedUnknown(name=f"{one.name}.{name}", scope=one.name, **what)))
     own = np.array([[i == j for j, _ in added] for i in range(len(problem.measurements))], dtype=bool)
-    unknowns = (*problem.unknowns, *(unknown for _, unknown in added))
-    return replace(problem, unknowns=unknowns, moves=np.hstack([problem.moves, own]))
+    every = (*problem.unknowns, *(unknown for _, unknown in added))
+    return replace(problem, unknowns=every, moves=np.hstack([problem.moves, own]))
 
 
 def other_measurements(problem: Problem, measurements: Sequence[Measurement]) -> Problem:
@@ -257,7 +257,7 @@ def other_measurements(problem: Problem, measurements: Sequence[Measurement]) ->
     others = _by_one_model(renamed, problem.model)
     scenarios = [one.scenario for one in others]
     names = [(unknown.scope, unknown.parameter.name) for unknown in problem.unknowns]
-    moves = dependence(names, [{one.gait.kind} for one in scenarios], known_numbers(scenarios))
+    moves = unknowns.dependence(names, [{one.gait.kind} for one in scenarios], unknowns.known_numbers(scenarios))
     return replace(problem, measurements=others, moves=moves)
 
 
