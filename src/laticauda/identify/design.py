@@ -218,9 +218,7 @@ def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
     Args:
         information: In the sizes of the unknowns.
     """
-    eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
-    strength = np.where(eigenvalues > 1e-13 * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
-    return identifiability.deviations(strength, vectors)
+    return identifiability.deviations(*identifiability.strengths(information))
 
 
 def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:

@@ -70,8 +70,7 @@ def identifiability(
     """
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)
-    eigenvalues, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
-    strength = np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
+    strength, vectors = strengths(scaled)
     with np.errstate(divide="ignore"):
         sigma = 1.0 / np.sqrt(strength)
     ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
@@ -82,7 +81,7 @@ def identifiability(
             weights=_oriented(vectors[:, j]),
             sigma=float(sigma[j]),
             is_seen=bool(sigma[j] * np.max(np.abs(vectors[:, j])) < limit),
-            name=_named(_oriented(vectors[:, j]), unknowns),
+            name=combination_of(vectors[:, j], unknowns),
         )
         for j in reversed(range(len(unknowns)))
     )
@@ -92,6 +91,16 @@ def identifiability(
         without_effect=tuple(unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()),
         limit=limit,
     )
+
+
+def strengths(information: Float[np.ndarray, "n n"]) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+    """Eigenvalues of an information, 0 where they are rounding, and its eigenvectors, a column each.
+
+    Args:
+        information: In the sizes of the unknowns.
+    """
+    eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
+    return np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0), vectors
 
 
 def deviations(
@@ -134,16 +143,7 @@ def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Resolved
         weights: Of their coordinates, in their sizes; any length.
         unknowns: In this order.
     """
-    return _named(_oriented(weights / np.linalg.norm(weights)), unknowns)
-
-
-def _oriented(vector: np.ndarray) -> np.ndarray:
-    """With its greatest member positive."""
-    return vector * np.sign(vector[np.argmax(np.abs(vector))])
-
-
-def _named(weights: np.ndarray, unknowns: Sequence[ResolvedUnknown]) -> str:
-    """A combination in words."""
+    weights = _oriented(weights / np.linalg.norm(weights))
     greatest = np.max(np.abs(weights))
     order: list[int] = np.argsort(-np.abs(weights), kind="stable").tolist()
     members = [k for k in order if abs(weights[k]) >= _PART * greatest]
@@ -161,3 +161,8 @@ def _named(weights: np.ndarray, unknowns: Sequence[ResolvedUnknown]) -> str:
     over, under = ([one for k, one in zip(members, factors, strict=True) if weights[k] * s > 0] for s in (1, -1))
     below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
     return f"the ratio {' '.join(over)} / {below}" if under else f"the product {' '.join(over)}"
+
+
+def _oriented(vector: np.ndarray) -> np.ndarray:
+    """With its greatest member positive."""
+    return vector * np.sign(vector[np.argmax(np.abs(vector))])

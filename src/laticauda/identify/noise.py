@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.extras import optional_import
 from laticauda.identify.problem import Problem
 
 _SURE = 3.1  # standard deviations; white noise is that far off once in 1000 times
@@ -94,7 +95,5 @@ def _scales(chain: np.ndarray, lag: float) -> np.ndarray:
 
 def _summed(rows: np.ndarray, lag: float) -> np.ndarray:
     """Every sample with what is left of those before it."""
-    found = rows.copy()
-    for k in range(1, len(found)):
-        found[k] += lag * found[k - 1]
-    return found
+    signal = optional_import("Identification", "scipy", "identify", "scipy.signal")
+    return signal.lfilter([1.0], [1.0, -lag], rows, axis=0)

@@ -223,7 +223,7 @@ def make_problem(
     scopes = [{m.scenario.gait.kind, m.group, m.name} for m in given]
     asked = unknowns.as_unknowns(wanted)
     names = [unknowns.split_name(unknown, scopes, known) for unknown in asked]
-    moves = unknowns.dependence(names, scopes, known)
+    moves = dependence(names, scopes, known)
     resolved = tuple(unknowns.resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
     return with_starts(Problem(measurements=given, unknowns=resolved, moves=moves, threads=threads))
 
@@ -257,13 +257,48 @@ def other_measurements(problem: Problem, measurements: Sequence[Measurement]) ->
     others = _by_one_model(renamed, problem.model)
     scenarios = [one.scenario for one in others]
     names = [(unknown.scope, unknown.parameter.name) for unknown in problem.unknowns]
-    moves = unknowns.dependence(names, [{one.gait.kind} for one in scenarios], unknowns.known_numbers(scenarios))
+    moves = dependence(names, [{one.gait.kind} for one in scenarios], unknowns.known_numbers(scenarios))
     return replace(problem, measurements=others, moves=moves)
 
 
 def _by_one_model(measurements: Sequence[Measurement], model: Model) -> tuple[Measurement, ...]:
     how: Any = {"model": model, "sample_interval": SAMPLE_INTERVAL}
     return tuple(replace(one, scenario=replace(one.scenario, **how)) for one in measurements)
+
+
+def dependence(
+    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Any]]
+) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
+    """Which measurements depend on which unknowns.
+
+    Where a number is looked for in general and for some, the general one leaves those alone.
+
+    Args:
+        split: By unknown, its scope and its name without that.
+        scopes: By measurement, what it may be called.
+        known: By measurement, the numbers that it has.
+
+    Raises:
+        ValueError: If two unknowns are the same number of a measurement.
+    """
+    moves = np.array(
+        [
+            [name in numbers and (not scope or scope in mine) for scope, name in split]
+            for mine, numbers in zip(scopes, known, strict=True)
+        ]
+    ).reshape(len(known), len(split))
+    for k, (scope, name) in enumerate(split):
+        for j, (other_scope, other) in enumerate(split):
+            if j != k and other == name and scope and not other_scope:
+                moves[:, j] &= ~moves[:, k]
+    for k, (scope, name) in enumerate(split):
+        twice = [j for j, (_, other) in enumerate(split) if j != k and other == name and any(moves[:, j] & moves[:, k])]
+        if twice:
+            raise BadArgument(
+                "parameters",
+                f"must say once per measurement what `{name}` is for, got both `{scope}` and `{split[twice[0]][0]}`",
+            )
+    return moves
 
 
 def shifted(start: Start | Resumed, name: str, value: float) -> Start:

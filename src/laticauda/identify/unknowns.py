@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any, Literal, cast
 
 import numpy as np
-from jaxtyping import Bool
 
 from laticauda.errors import BadArgument, finite, instance, label, nearest, positive, shown
 from laticauda.quantities import Check, option, quantity, value
@@ -204,41 +203,6 @@ def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
         if key not in made:
             made[key] = parameters(scenario, each=True) | NUISANCE
     return [made[key] for key in keys]
-
-
-def dependence(
-    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
-) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
-    """Which measurements depend on which unknowns.
-
-    Where a number is looked for in general and for some, the general one leaves those alone.
-
-    Args:
-        split: By unknown, its scope and its name without that.
-        scopes: By measurement, what it may be called.
-        known: By measurement, the numbers that it has.
-
-    Raises:
-        ValueError: If two unknowns are the same number of a measurement.
-    """
-    moves = np.array(
-        [
-            [name in numbers and (not scope or scope in mine) for scope, name in split]
-            for mine, numbers in zip(scopes, known, strict=True)
-        ]
-    ).reshape(len(known), len(split))
-    for k, (scope, name) in enumerate(split):
-        for j, (other_scope, other) in enumerate(split):
-            if j != k and other == name and scope and not other_scope:
-                moves[:, j] &= ~moves[:, k]
-    for k, (scope, name) in enumerate(split):
-        twice = [j for j, (_, other) in enumerate(split) if j != k and other == name and any(moves[:, j] & moves[:, k])]
-        if twice:
-            raise BadArgument(
-                "parameters",
-                f"must say once per measurement what `{name}` is for, got both `{scope}` and `{split[twice[0]][0]}`",
-            )
-    return moves
 
 
 def resolve(

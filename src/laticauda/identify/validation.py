@@ -58,24 +58,18 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
         raise BadArgument("by", f"must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`")
     predictions = np.full(problem.observed.size, np.nan)
     values: list[np.ndarray] = []
+    without_prior = np.array([unknown.prior is None for unknown in problem.unknowns])
     for number, name in enumerate(different):
         out = [i for i, other in enumerate(names) if other == name]
         rest = problem.part([i for i in range(len(names)) if i not in out])
         began = problem.moves[out].any(axis=0) & ~np.isin(np.arange(len(problem.unknowns)), problem.of_interest)
         refit = fitting.solve(rest, replace(found.method, n_starts=1), start=found.best)
         values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
-        if not _lacks(found, out, rest.moves | began):
+        if not np.any(problem.moves[out].any(axis=0) & ~(rest.moves | began).any(axis=0) & without_prior):
             predictions[np.isin(problem.owner, out)] = model.predict(problem.part(out), values[-1]).values
         if progress is not None:
             progress((number + 1) / len(different))
     return LeftOut(by=by, fit=found, predictions=predictions, values=np.array(values))
-
-
-def _lacks(found: result.Fit, out: Sequence[int], moves: np.ndarray) -> bool:
-    """Whether what was left out depends on an unknown of which nothing else says anything."""
-    problem = found.problem
-    without_prior = np.array([unknown.prior is None for unknown in problem.unknowns])
-    return bool(np.any(problem.moves[list(out)].any(axis=0) & ~moves.any(axis=0) & without_prior))
 
 
 def linear_leave_one_out(found: result.Fit) -> Float[np.ndarray, " n_data"]:

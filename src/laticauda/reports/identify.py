@@ -207,7 +207,8 @@ def _directions(done: Validation) -> list[Row]:
 def _residuals(done: Validation) -> list[Row]:
     """Every measurement beside its prediction, by this fit and by the others."""
     problem = done.found.problem
-    left_out = {(problem.measurements[one.owner].name, one.what): done.left_out[one.at] for one in problem.places}
+    left_out = [float(done.left_out[place.at.start]) for place in problem.places]
+    every = zip(done.found.residuals, left_out, strict=True)
     return [
         {
             "group": one.group,
@@ -216,12 +217,12 @@ def _residuals(done: Validation) -> list[Row]:
             "unit": one.unit or "-",
             "measured": one.measured,
             "predicted": one.predicted,
-            "left out": None if one.measured is None else finite(left_out[one.measurement, one.what][0]),
+            "left out": None if one.measured is None else finite(without),
             "off": one.deviation,
             "off [%]": 100.0 * one.deviation / one.measured if one.measured else None,
             "in standard deviations [-]": one.in_sigmas,
         }
-        for one in sorted(done.found.residuals, key=lambda one: problem.groups.index(one.group))
+        for one, without in sorted(every, key=lambda both: problem.groups.index(both[0].group))
     ]
 
 
