@@ -207,9 +207,9 @@ def test_outliers_count_less_with_a_robust_loss():
 
 def test_residuals_are_listed_by_measurement(noisy):
     rows = noisy.residuals
-    assert [row.measurement for row in rows] == [m.name for m in NOISY]
-    assert sum(row.in_sigmas**2 for row in rows) == pytest.approx(noisy.chi2)
-    assert rows[0].group == "lateral undulation, without fin" and rows[0].unit == "m/s"
+    assert [row["measurement"] for row in rows] == [m.name for m in NOISY]
+    assert sum(row["in standard deviations [-]"] ** 2 for row in rows) == pytest.approx(noisy.chi2)
+    assert rows[0]["group"] == "lateral undulation, without fin" and rows[0]["unit"] == "m/s"
     assert 0.0 < noisy.percentage_error() < 10.0
     with pytest.raises(ValueError, match="`figure` must be one that was measured, of forward_velocity, got 'x'"):
         noisy.percentage_error("x")
@@ -269,6 +269,6 @@ def test_table_1_gives_one_friction_for_both_gaits():
     found = fit(from_table1(), parameters=[FRICTION], noise="estimated", n_starts=1)
     assert found[FRICTION].is_identified
     assert len(found.residuals) == 20
-    assert {row.group for row in found.residuals} == {
+    assert {row["group"] for row in found.residuals} == {
         f"{gait}, {fin} fin" for gait in ("lateral undulation", "eel-like motion") for fin in ("with", "without")
     }

@@ -16,7 +16,7 @@ from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Un
 from laticauda.interfaces import Resumed, Start
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
-from laticauda.simulate.numbers import changed
+from laticauda.simulate.numbers import Parameter, changed
 
 _RARE = 5e-4  # of all cases a chi^2 is below its range, and above it
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
@@ -267,7 +267,7 @@ def _by_one_model(measurements: Sequence[Measurement], model: Model) -> tuple[Me
 
 
 def dependence(
-    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Any]]
+    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
 ) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
     """Which measurements depend on which unknowns.
 

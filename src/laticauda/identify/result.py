@@ -94,28 +94,6 @@ class LocalSearch:
     """Whether it ended by itself."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Residual:
-    """One measured figure, or all samples of one series, beside the prediction."""
-
-    measurement: str
-    """Its name."""
-    group: str
-    """That of its group."""
-    what: str
-    """Name of the figure or series."""
-    unit: str
-    """Its unit."""
-    measured: float | None
-    """The figure, without the bias of selection; None for a series."""
-    predicted: float | None
-    """The same from the model; None for a series."""
-    deviation: float
-    """Predicted less measured; root mean square for a series."""
-    in_sigmas: float
-    """The same in standard deviations of the noise as stated [-]."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
     """Parameters identified from measurements."""
@@ -201,26 +179,33 @@ class Fit:
         ]
 
     @cached_property
-    def residuals(self) -> tuple[Residual, ...]:
-        """Every measured figure and series beside its prediction."""
-        found: list[Residual] = []
-        p = self.problem
+    def residuals(self) -> list[dict[str, Any]]:
+        """A row per measured figure, or per series, as tables show them, in the order of `problem.places`.
+
+        What is measured is without the bias of selection; it and the prediction are None for a series. Off is predicted
+        less measured, root mean square for a series; standard deviations are of the noise as stated.
+        """
+        found: list[dict[str, Any]] = []
+        p, units = self.problem, UNITS | measurements.LOADS | measurements.SERIES
         for place in p.places:
-            off, group = (self.predictions - p.observed)[place.at], p.groups[place.owner]
+            off = (self.predictions - p.observed)[place.at]
             deviation = float(np.sqrt(np.mean(off**2)) if place.is_series else off[0])
+            both = [float(every[place.at.start]) for every in (p.observed, self.predictions)]
+            measured, predicted = (None, None) if place.is_series else both
             found.append(
-                Residual(
-                    measurement=p.measurements[place.owner].name,
-                    group=group,
-                    what=place.what,
-                    unit=(measurements.SERIES if place.is_series else UNITS)[place.what],
-                    measured=None if place.is_series else float(p.observed[place.at.start]),
-                    predicted=None if place.is_series else float(self.predictions[place.at.start]),
-                    deviation=deviation,
-                    in_sigmas=deviation / place.sigma,
-                )
+                {
+                    "group": p.groups[place.owner],
+                    "measurement": p.measurements[place.owner].name,
+                    "what": place.what.replace("_", " "),
+                    "unit": units[place.what] or "-",
+                    "measured": measured,
+                    "predicted": predicted,
+                    "off": deviation,
+                    "off [%]": 100.0 * deviation / measured if measured else None,
+                    "in standard deviations [-]": deviation / place.sigma,
+                }
             )
-        return tuple(found)
+        return found
 
     def places_of(self, figure: str) -> list[int]:
         """Where a figure of every measurement that has it stands among the data.

@@ -206,39 +206,27 @@ def _directions(done: Validation) -> list[Row]:
 
 def _residuals(done: Validation) -> list[Row]:
     """Every measurement beside its prediction, by this fit and by the others."""
-    problem = done.found.problem
-    left_out = [float(done.left_out[place.at.start]) for place in problem.places]
-    every = zip(done.found.residuals, left_out, strict=True)
-    return [
-        {
-            "group": one.group,
-            "measurement": one.measurement,
-            "what": one.what.replace("_", " "),
-            "unit": one.unit or "-",
-            "measured": one.measured,
-            "predicted": one.predicted,
-            "left out": None if one.measured is None else finite(without),
-            "off": one.deviation,
-            "off [%]": 100.0 * one.deviation / one.measured if one.measured else None,
-            "in standard deviations [-]": one.in_sigmas,
-        }
-        for one, without in sorted(every, key=lambda both: problem.groups.index(both[0].group))
-    ]
+    problem, rows = done.found.problem, list[Row]()
+    for row, place in zip(done.found.residuals, problem.places, strict=True):
+        without = None if place.is_series else finite(done.left_out[place.at.start])
+        first = {name: row[name] for name in ("group", "measurement", "what", "unit", "measured", "predicted")}
+        rows.append(first | {"left out": without} | row)
+    return sorted(rows, key=lambda row: problem.groups.index(row["group"]))
 
 
 def _groups(done: Validation) -> list[Row]:
     """Errors by group."""
     rows: list[Row] = []
     residuals = done.found.residuals
-    for group, what in dict.fromkeys((group, one.what) for group in done.found.problem.groups for one in residuals):
-        mine = [one for one in residuals if (one.group, one.what) == (group, what)]
-        shares = [100.0 * one.deviation / one.measured for one in mine if one.measured]
+    for group, what in dict.fromkeys((group, row["what"]) for group in done.found.problem.groups for row in residuals):
+        mine = [row for row in residuals if (row["group"], row["what"]) == (group, what)]
+        shares = [row["off [%]"] for row in mine if row["measured"]]
         if mine:
-            row: Row = {"group": group, "what": what.replace("_", " "), "measurements": len(mine)}
+            row: Row = {"group": group, "what": what, "measurements": len(mine)}
             row["mean error [%]"] = float(np.mean(np.abs(shares))) if shares else None
             row["mean with sign [%]"] = float(np.mean(shares)) if shares else None
-            row["in standard deviations [-]"] = float(np.sqrt(np.mean([one.in_sigmas**2 for one in mine])))
-            rows.append(row)
+            off = np.array([row["in standard deviations [-]"] for row in mine])
+            rows.append(row | {"in standard deviations [-]": float(np.sqrt(np.mean(off**2)))})
     return rows
 
 

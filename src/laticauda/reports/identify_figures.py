@@ -89,16 +89,15 @@ def _by_what(found: "Fit") -> dict[str, dict[str, np.ndarray]]:
 
 
 def _residuals(found: "Fit") -> "Figure":
-    rows = sorted(found.residuals, key=lambda one: found.problem.groups.index(one.group))[:_MOST_BARS]
-    whats = {one.what for one in rows}
-    names = [one.measurement.removeprefix(f"{one.group}, ") for one in rows]
-    if len(whats) > 1:
-        names = [f"{name}: {one.what.replace('_', ' ')}" for name, one in zip(names, rows, strict=True)]
+    rows = sorted(found.residuals, key=lambda row: found.problem.groups.index(row["group"]))[:_MOST_BARS]
+    names = [row["measurement"].removeprefix(f"{row['group']}, ") for row in rows]
+    if len({row["what"] for row in rows}) > 1:
+        names = [f"{name}: {row['what']}" for name, row in zip(names, rows, strict=True)]
     figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups)))
     ax = draw.residuals(
         names,
-        [one.in_sigmas for one in rows],
-        [one.group for one in rows],
+        [row["in standard deviations [-]"] for row in rows],
+        [row["group"] for row in rows],
         figure.subplots(),
         label="predicted less measured, in standard deviations of the stated noise [-]",
     )
