@@ -208,7 +208,7 @@ def _residuals(done: Validation) -> list[Row]:
     """Every measurement beside its prediction, by this fit and by the others."""
     problem, rows = done.found.problem, list[Row]()
     for row, place in zip(done.found.residuals, problem.places, strict=True):
-        without = None if place.is_series else finite(done.left_out[place.at.start])
+        without = None if place.is_series else finite(float(done.left_out[place.at.start]))
         first = {name: row[name] for name in ("group", "measurement", "what", "unit", "measured", "predicted")}
         rows.append(first | {"left out": without} | row)
     return sorted(rows, key=lambda row: problem.groups.index(row["group"]))
