@@ -26,7 +26,9 @@ class Tank:
 
     lab: bool = option("Show the robot of a `laticauda lab` or a tank: --robot, or mamba-modules", default=False)
     trial: File = option("The same, with robot, connections and marker body of this trial file (.toml)", default=None)
-    can: str | None = option("CAN: udp_multicast:GROUP:PORT, socketcan:can0; or the file's, the lab's", default=None)
+    can: str | None = option(
+        "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; left out: the trial file's or the lab's", default=None
+    )
     mocap: str | None = option("Its motion capture, HOST:PORT; likewise", default=None)
 
     def __post_init__(self) -> None:

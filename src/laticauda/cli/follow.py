@@ -25,7 +25,10 @@ class Route(control.Course):
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
         "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
     )
-    observe_current: bool = option("Observe the current by a model from four trials, and point upstream", default=False)
+    observe_current: bool = option(
+        "Observe the current and point upstream, with a model of the gait fitted to four trials in still water first",
+        default=False,
+    )
 
     @property
     def following(self) -> control.Following:

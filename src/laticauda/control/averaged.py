@@ -41,7 +41,7 @@ class AveragedModel:
     bend_lag: float = quantity("s", "Time constant with which the joints take the offset on", gt=0.0)
     speed_0: float = quantity("m/s", "Speed along the heading, at frequency 0")
     speed_1: float = quantity("m", "What it gains with the frequency")
-    speed_offset: float = quantity("m", "What it gains with that and offset^2; negative, for a bent robot is slower")
+    speed_offset: float = quantity("m", "What it gains with frequency and offset^2; negative: a bent robot is slower")
     speed_lag: float = quantity("s", "Time constant of the speed", gt=0.0)
     sway: float = quantity("m", "Speed to the left of psi per turning rate")
     sway_lag: float = quantity("s", "Time constant of that speed", gt=0.0)

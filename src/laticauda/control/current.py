@@ -74,7 +74,12 @@ class CurrentObserver:
     """
 
     model: AveragedModel = option("How the gait moves the robot in still water: `fit_averaged`")
-    speed_std: float = quantity("m/s", "Of the speed, from which a current along cannot be told", ge=0.0, default=0.01)
+    speed_std: float = quantity(
+        "m/s",
+        "How well the model knows the speed, which a steady current along the heading cannot be told from",
+        ge=0.0,
+        default=0.01,
+    )
 
     def init(self, observation: Observation) -> ObserverState:
         """What one `observation` tells: a place and about a heading, at rest, no drift."""

@@ -28,7 +28,12 @@ class Course:
     circle: tuple[float, float, float, float] | None = quantity(
         "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
     )
-    path_depth: tuple[float, ...] | None = quantity("m", "Its depth, one for all or one per waypoint", default=None)
+    path_depth: tuple[float, ...] | None = quantity(
+        "m",
+        "Depth of the path: one for all of it, or one per waypoint; none: depth is not steered. It needs pitch joints "
+        "and the spatial model",
+        default=None,
+    )
 
 
 @value

@@ -62,9 +62,12 @@ class PathFollowing(Controller[PathFollowingState]):
     path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
     guidance: Guidance[Any] = option("Law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own")
     heading: HeadingController = option("The law that turns the robot")
-    heading_estimate: Literal["raw", "cycle_mean"] = option("raw (6), cycle_mean over the last period", default="raw")
+    heading_estimate: Literal["raw", "cycle_mean"] = option(
+        "Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period",
+        default="raw",
+    )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
-    observer: CurrentObserver | None = option("What observes the current, to point upstream; or None", default=None)
+    observer: CurrentObserver | None = option("Of the current: the robot then points upstream; None: no", default=None)
     max_crab_angle: float = quantity("rad", "Farthest upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi)
 
     def __post_init__(self) -> None:

@@ -72,9 +72,11 @@ class Unknown:
     upper: float | None = quantity("", "Greatest value", default=None)
     prior: tuple[float, float] | None = quantity("", "Mean and deviation of what is known before", default=None)
     scale: Literal["log", "linear"] | None = option("log: errors and steps are shares of it; linear", default=None)
-    size: float | None = quantity("", "A large change on a linear scale", default=None, gt=0.0)
+    size: float | None = quantity("", "A large change; None: its value, or .1 m, rad or m/s", default=None, gt=0.0)
     tied: Mapping[str, float] = option(
-        "Powers of numbers that follow it", default_factory=dict[str, float], check=numbers_by_name("power")
+        "Powers p of other numbers that follow it: where this is k times its value, they are k^p times theirs",
+        default_factory=dict[str, float],
+        check=numbers_by_name("power"),
     )
 
     def __post_init__(self) -> None:

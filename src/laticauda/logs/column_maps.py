@@ -213,7 +213,9 @@ class ColumnMap:
     gait: gaits.Gait | None = option("What the joints were asked for; None where it is not known", default=None)
     start: float | None = quantity("s", "Where the trial begins in the file's time; there it is 0", default=None)
     stop: float | None = quantity("s", "Where it ends in the file's time", default=None)
-    longest_gap: float = quantity("s", "Longest time without values that straight lines fill", default=0.1, ge=0.0)
+    longest_gap: float = quantity(
+        "s", "Gaps up to it become straight lines; longer ones are refused", default=0.1, ge=0.0
+    )
     smoothing: float = quantity("s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0)
     separator: str | None = option("Between the cells of a text file; None: found by itself", default=None)
     decimal: Literal[".", ","] = option("Point or comma", default=".")

@@ -52,7 +52,12 @@ class Element:
     pull: Three = quantity("N", "A constant force in world axes, of a tether say", default=_NONE)
     tether_drag: float = quantity("kg/m", "k of a force -k |u| u", default=0.0, ge=0.0)
     wake_mass: float = quantity("kg/m", "m' of Lighthill's force at a trailing edge while u_x > 0", default=0.0, ge=0.0)
-    plate: tuple[float, float, float, float, float] | None = quantity("", "Of an upright plate", default=None, ge=0.0)
+    plate: tuple[float, float, float, float, float] | None = quantity(
+        "",
+        "An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`",
+        default=None,
+        ge=0.0,
+    )
     contact: Contact | None = option("How it touches the ground of `water.attach`; None: not at all", default=None)
     volume: float = quantity("m^3", "Of the water that it displaces when covered", default=0.0, ge=0.0)
     shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")

@@ -175,7 +175,9 @@ class Operation:
     countdown: float = quantity("s", "before the run begins", ge=0.0, default=3.0)
     ramp: float = quantity("s", "of the smooth start", ge=0.0, default=3.0)
     offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=2.0)
-    supply_voltage: float | None = quantity("V", "V of (4), makes power of a meter's current", gt=0.0, default=None)
+    supply_voltage: float | None = quantity(
+        "V", "V of (4), by which the power meter's current becomes power; needed beside a meter", gt=0.0, default=None
+    )
     estimator: Literal["filter", "kinematics"] = option(
         "what says where the robot is; kinematics, always taken in space, bridges no drop-out", default="filter"
     )

@@ -34,7 +34,10 @@ class Reproduce(command.Command):
     only: Literal["efficiency", "path-following"] | None = option("Run this half of the paper only", default=None)
     model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes minutes", default="planar")
     joints: str | None = option("The joint law; the parameters', or prescribed, if left out", default=None)
-    parameters: str | None = option("A preset or parameter file: its numbers, the paper's beside them", default=None)
+    parameters: str | None = option(
+        "A preset or a parameter file: its numbers for water and robots instead of the paper's, which stay beside them",
+        default=None,
+    )
     repeats: File = option(
         "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the "
         "figures of the efficiency study with their scatter",

@@ -200,9 +200,17 @@ class Choice:
     n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
     water: str | None = option("A preset, a TOML file or textbook; None: see `default_water`", default=None)
     ground: str | None = option("A preset or a TOML file: crawl on land instead", default=None)
-    parameters: str | None = option("A preset or a parameter file, for water and robot; not with a water", default=None)
+    parameters: str | None = option(
+        "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
+        "robot's (not with a water)",
+        default=None,
+    )
     model: Literal["planar", "spatial"] = option("The closed form in the plane, or MuJoCo in space", default="planar")
-    joints: str | None = option("prescribed (usual), pd, servo (as the real one's), speed-servo, own", default=None)
+    joints: str | None = option(
+        "How the joints follow the gait: prescribed (exactly), pd (the published simulations' law), servo (the real "
+        "robot's), speed-servo (one that controls its speed) or a law of one's own; left out: prescribed",
+        default=None,
+    )
     scene: str | None = option("Around it in space: pegs, slope, pipe, shore, tank, an MJCF file, ...", default=None)
 
     def __post_init__(self) -> None:

@@ -58,8 +58,17 @@ class Spatial(_Model):
 
     root: Literal["free", "planar"] | None = option("Of the tail module; None: planar if all joints yaw", default=None)
     gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
-    ballast_depth: float = quantity("m", "How far centers of mass lie below their modules' axes", default=0.005)
-    scene: Scene | None = option("What is around it; or None", default=None, check=lambda _, given: Scene.of(given))
+    ballast_depth: float = quantity(
+        "m",
+        "How far the modules' centers of mass lie below their axes, which keeps a free robot upright; an assumption",
+        default=0.005,
+    )
+    scene: Scene | None = option(
+        "What is around the robot: a scene, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`; open "
+        "water or flat ground if left out",
+        default=None,
+        check=lambda _, given: Scene.of(given),
+    )
 
     rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
 
@@ -119,7 +128,12 @@ class Scenario:
     model: Model = option("By which model", default=Planar())
     start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
     duration: float = quantity("s", "Of the run", default=30.0, gt=0.0)
-    sample_interval: float = quantity("s", "Between two samples of the log, made to fit", default=0.05, gt=0.0)
+    sample_interval: float = quantity(
+        "s",
+        "Between two samples of the log; adjusted so that it divides the control interval and the duration",
+        default=0.05,
+        gt=0.0,
+    )
 
     def __post_init__(self) -> None:
         """Check what its type does not tell."""

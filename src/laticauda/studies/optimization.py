@@ -63,7 +63,9 @@ class Optimization(Limits):
     """
 
     scenario: Scenario = option("What all trials share; by the planar model")
-    bounds: Mapping[str, tuple[float, float]] = option("Least and greatest by name (SI)", check=sampling.checked_ranges)
+    bounds: Mapping[str, tuple[float, float]] = option(
+        "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
+    )
     objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
 
     def __post_init__(self) -> None:

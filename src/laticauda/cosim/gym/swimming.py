@@ -131,7 +131,9 @@ class Swimming(ABC):
     """
 
     scenario: Scenario = option("Who swims where, how long; episodes have starts and currents", default_factory=swimmer)
-    currents: Mapping[str, tuple[float, float]] = option("Ranges of its flow's numbers", default_factory=dict[str, Any])
+    currents: Mapping[str, tuple[float, float]] = option(
+        "Between which episodes draw numbers of the water's flow; a seed may be any", default_factory=dict[str, Any]
+    )
     interval: float = quantity("s", "From one action to the next", gt=0.0, default=0.2)
     failure_reward: float = quantity("", "Of a step that diverges, the last", ge=-1e9, le=0.0, default=-1000.0)
 
