@@ -71,6 +71,7 @@ MODULES = [
 ]
 ENDLESS = {
     ("ModelPredictive", "power_limit"): "the gait may take any power",
+    ("PlanLimits", "power_limit"): "the same",
     ("OpenLoop", "interval"): "asked once",
     ("Fault", "duration"): "to the end",
     ("Waves", "depth"): "deep water",

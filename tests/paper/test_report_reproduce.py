@@ -99,7 +99,7 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
 
 def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):
     hopeless = replace(small.efficiency, duration=1.0)
-    with pytest.raises(ValueError, match=r"`time` must span at least 12\.77 s"):
+    with pytest.raises(ValueError, match=r"`time` must span at least 13\.27 s"):
         reproduce(tmp_path, replace(small, efficiency=hopeless), only="efficiency", workers=2)
 
 

@@ -128,6 +128,7 @@ class Runs:
 
         Raises:
             SimulationFailed: If one blows up; the message says which.
+            ValueError: If one is too short for a steady part.
         """
         begun, scenarios = self.n_done, [scenario for _, scenario in tasks]
 
@@ -141,6 +142,8 @@ class Runs:
         for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
             if not succeeded:
                 raise SimulationFailed(f"{name}: {status}")
+        for k in np.flatnonzero(np.isnan(found.steady_velocity)):  # a run that is too short: its trial says so
+            _ = lc.swim(scenarios[k]).steady_velocity
         self.how |= settings_of(plant(scenarios[-1]).settings)
         return vars(found)
 
