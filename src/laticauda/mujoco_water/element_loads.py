@@ -99,8 +99,8 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
 def pose(E, o, T, body, data):
     """Rotation from element to world axes, place of the middle, and that place from the tree's center of mass."""
     n_bodies = T[N_BODIES]
-    xpos, xmat = field(data, T[AT_XPOS], 3 * n_bodies), field(data, T[AT_XMAT], 9 * n_bodies)
-    com = three(field(data, T[AT_SUBTREE_COM], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
+    xpos, xmat = field(data, T[AT.xpos], 3 * n_bodies), field(data, T[AT.xmat], 9 * n_bodies)
+    com = three(field(data, T[AT.subtree_com], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
     B, Q = nine(xmat, 9 * body), nine(E, o + ROTATION)
     x, y, z = to_world(B, (Q[0], Q[3], Q[6])), to_world(B, (Q[1], Q[4], Q[7])), to_world(B, (Q[2], Q[5], Q[8]))
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
@@ -111,7 +111,7 @@ def pose(E, o, T, body, data):
 @kernel
 def motion(T, P, S, R, arm, body, data, V, flow, spin):
     """In element axes u, w, a (with what their turning adds) and alpha, in water of that velocity, Du/Dt and spin."""
-    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w, alpha = three(cvel, 6 * body), three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     a = plus(three(S, 6 * body + 3), cross(alpha, arm))
@@ -138,14 +138,14 @@ def flow_at(T, P, place, ahead, model, data, io):
         data: The data's.
         io: Scratch.
     """
-    own = numbers(model + T[AT_FLOW], 4)
+    own = numbers(model + T[IN_MODEL.o_friction], 4)
     number = int(own[3])
     if number == 0:
         return three(own, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
     row = T[FLOWS] + 24 * (number % MOST_FLOWS)
     if word_at(row) != number:
         stop(T[FLOW_LOST])
-    io[0], io[1], io[2], io[3] = place[0], place[1], place[2] - P[LEVEL], number_at(data + T[AT_TIME]) + ahead
+    io[0], io[1], io[2], io[3] = place[0], place[1], place[2] - P[LEVEL], number_at(data + T[AT.time]) + ahead
     call_2(word_at(row + 8), io.ctypes.data, word_at(row + 16))
     return three(io, PLACE), three(io, PLACE + 3), three(io, PLACE + 6), io[PLACE + 9]
 
@@ -153,9 +153,9 @@ def flow_at(T, P, place, ahead, model, data, io):
 @kernel
 def gravity(T, model):
     """Gravity as the model has it enabled."""
-    if flags_at(model + T[AT_FLAGS]) & T[NO_GRAVITY] != 0:
+    if flags_at(model + T[IN_MODEL.disableflags]) & T[NO_GRAVITY] != 0:
         return 0.0, 0.0, 0.0
-    return three(numbers(model + T[AT_GRAVITY], 3), 0)
+    return three(numbers(model + T[IN_MODEL.gravity], 3), 0)
 
 
 @kernel
@@ -193,7 +193,7 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
 def wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface):
     """The same over the time ahead, in which body and surface go on as they move."""
     P, place, elevation, model, io = surface
-    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     _, _, _, later = flow_at(T, P, plus(place, scaled(ahead, v)), ahead, model, data, io)

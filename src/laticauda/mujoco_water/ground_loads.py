@@ -29,7 +29,7 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
         body: The element's body.
         data: The address of the data.
     """
-    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w = three(cvel, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

@@ -68,7 +68,7 @@ def registry_address(typingctx):
 def velocity_accelerations(T, data, S):
     """Spatial acceleration of every body if no joint accelerates."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
-    qvel, cdof_dot = field(data, T[AT_QVEL], n_dofs), field(data, T[AT_CDOF_DOT], 6 * n_dofs)
+    qvel, cdof_dot = field(data, T[AT.qvel], n_dofs), field(data, T[AT.cdof_dot], 6 * n_dofs)
     parent, first = integers(T[PARENT], n_bodies), integers(T[FIRST_DOF], n_bodies + 1)
     for k in range(6):
         S[k] = 0.0
@@ -93,8 +93,8 @@ def gather(T, data, S):
             if T[HAS_INERTIA]:
                 for k in range(21):
                     S[12 * n_bodies + 21 * p + k] += S[12 * n_bodies + 21 * b + k]
-    body, cdof = integers(T[DOF_BODY], n_dofs), field(data, T[AT_CDOF], 6 * n_dofs)
-    passive, fluid = field(data, T[AT_QFRC_PASSIVE], n_dofs), field(data, T[AT_QFRC_FLUID], n_dofs)
+    body, cdof = integers(T[DOF_BODY], n_dofs), field(data, T[AT.cdof], 6 * n_dofs)
+    passive, fluid = field(data, T[AT.qfrc_passive], n_dofs), field(data, T[AT.qfrc_fluid], n_dofs)
     for j in range(n_dofs):
         force = 0.0
         for k in range(6):
@@ -109,9 +109,9 @@ def write_inertia(T, model, data, S):
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
     body, above = integers(T[DOF_BODY], n_dofs), integers(T[DOF_PARENT], n_dofs)
     end, length = integers(T[ROW_END], n_dofs), integers(T[ROW_LENGTH], n_dofs)
-    cdof, crb = field(data, T[AT_CDOF], 6 * n_dofs), field(data, T[AT_CRB], 10 * n_bodies)
-    armature = field(model, T[AT_ARMATURE], n_dofs)
-    M = field(data, T[AT_M], end[n_dofs - 1] + 1)
+    cdof, crb = field(data, T[AT.cdof], 6 * n_dofs), field(data, T[AT.crb], 10 * n_bodies)
+    armature = field(model, T[IN_MODEL.dof_armature], n_dofs)
+    M = field(data, T[AT.M], end[n_dofs - 1] + 1)
     for i in range(n_dofs):
         c, C, A = 6 * i, 10 * body[i], 12 * n_bodies + 21 * body[i]
         w0, w1, w2, v0, v1, v2 = cdof[c], cdof[c + 1], cdof[c + 2], cdof[c + 3], cdof[c + 4], cdof[c + 5]
@@ -142,8 +142,8 @@ def add_hold(T, data):
     """What the joints' drives ask for: inertia on the diagonal, and a force, per degree of freedom."""
     n_dofs = T[N_DOFS]
     hold = numbers(T[HOLD], 2 * n_dofs)
-    end, passive = integers(T[ROW_END], n_dofs), field(data, T[AT_QFRC_PASSIVE], n_dofs)
-    M = field(data, T[AT_M], end[n_dofs - 1] + 1)
+    end, passive = integers(T[ROW_END], n_dofs), field(data, T[AT.qfrc_passive], n_dofs)
+    M = field(data, T[AT.M], end[n_dofs - 1] + 1)
     for i in range(n_dofs):
         M[end[i]] += hold[i]
         passive[i] += hold[n_dofs + i]
@@ -158,7 +158,7 @@ def collect(T, model, data, S):
         S[k] = 0.0
     velocity_accelerations(T, data, S)
     body, E, P = integers(T[ELEMENT_BODY], n), numbers(T[ELEMENTS], n * ELEMENT_SIZE), numbers(T[WATER], WATER_SIZE)
-    step = number_at(model + T[AT_TIME_STEP])
+    step = number_at(model + T[IN_MODEL.timestep])
     for e in range(n):
         element_load(E, e * ELEMENT_SIZE, T, P, S, body[e], model, data, law_io, step)
 

@@ -23,6 +23,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from laticauda.extras import load_mujoco
+from laticauda.mujoco_water.table import AT
 
 # A free body with a hinged child: every array that is looked for has an address of its own.
 _PROBE = """
@@ -80,18 +81,14 @@ def library() -> ctypes.CDLL:
 
 
 @cache
-def offsets(*fields: str) -> list[int]:
-    """Offsets of fields from the start of `mjData` [bytes].
-
-    Args:
-        fields: Names of arrays, and `time`.
-    """
+def offsets() -> list[int]:
+    """Offsets of the fields `AT` from the start of `mjData` [bytes]."""
     mujoco = load_mujoco()
     data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
     data.time = _RARE
     words = _words(data._address, np.uint64(data.signature), "data")  # stands behind all pointers
     found: list[int] = []
-    for name in fields:
+    for name in AT._fields:
         value = np.float64(_RARE).view(np.uint64) if name == "time" else np.uint64(getattr(data, name).ctypes.data)
         found.append(_last(words, value, name))
     return found

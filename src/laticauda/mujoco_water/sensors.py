@@ -82,7 +82,7 @@ def install() -> None:
 def water_below(T, data, S):
     """In place of every body's load: that on it and on all that hangs on it, at the accelerations that were found."""
     n = T[N_BODIES]
-    parent, cacc = integers(T[PARENT], n), field(data, T[AT_CACC], 6 * n)
+    parent, cacc = integers(T[PARENT], n), field(data, T[AT.cacc], 6 * n)
     for b in range(n - 1, 0, -1):
         F, A = 6 * (n + b), 12 * n + 21 * b
         a = S[6 * b : 6 * b + 6]
@@ -109,13 +109,13 @@ def sense(model, data, table):
     S = numbers(allocate(data, SCRATCH * n + 16), SCRATCH * n + 16)
     collect(T, model, data, S)
     water_below(T, data, S)
-    com, inner = field(data, T[AT_SUBTREE_COM], 3 * n), field(data, T[AT_CFRC_INT], 6 * n)
+    com, inner = field(data, T[AT.subtree_com], 3 * n), field(data, T[AT.cfrc_int], 6 * n)
     sensors, root = integers(T[SENSORS], 4 * T[N_SENSORS]), integers(T[ROOT], n)
     for i in range(T[N_SENSORS]):
         at, site, body = sensors[4 * i], sensors[4 * i + 1], sensors[4 * i + 2]
         place, R = (
-            three(field(data, T[AT_SITE_XPOS], 3 * site + 3), 3 * site),
-            field(data, T[AT_SITE_XMAT], 9 * site + 9),
+            three(field(data, T[AT.site_xpos], 3 * site + 3), 3 * site),
+            field(data, T[AT.site_xmat], 9 * site + 9),
         )
         force = plus(three(inner, 6 * body + 3), scaled(-1.0, three(S, 6 * (n + body) + 3)))
         found = force
@@ -123,7 +123,7 @@ def sense(model, data, table):
             torque = plus(three(inner, 6 * body), scaled(-1.0, three(S, 6 * (n + body))))
             found = plus(torque, cross(force, plus(place, scaled(-1.0, three(com, 3 * root[body])))))
         x, y, z = to_own(nine(R, 9 * site), found)
-        readings = field(data, T[AT_SENSORDATA], at + 3)
+        readings = field(data, T[AT.sensordata], at + 3)
         readings[at], readings[at + 1], readings[at + 2] = x, y, z
     free_stack(data)
 

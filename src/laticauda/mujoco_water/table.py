@@ -1,11 +1,21 @@
 """Where every number sits that the compiled loads read: the table of one model, its water, and its elements."""
 
+# pyright: reportUntypedNamedTuple=false
+from collections import namedtuple
 from itertools import accumulate
 
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 
 # --- The table of one model: 64-bit integers -----------------------------------------------------------------------
+# It begins with where MuJoCo's fields are [bytes]: in the data, as in all setups of kernels that read it, and in the
+# model, where `o_friction` holds four numbers of our own: velocity of the water [m/s], or 0 and the number of its flow.
+AT = namedtuple(
+    "AT",
+    "qpos qvel qacc xpos xmat xipos subtree_com cdof cdof_dot cvel crb M qfrc_passive qfrc_fluid time cacc cfrc_int "
+    "cfrc_ext site_xpos site_xmat sensordata",
+)(*range(21))
+IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_armature")(*range(21, 26))
 (
     N_BODIES,
     N_DOFS,
@@ -35,33 +45,8 @@ from laticauda.formulas import MOST_NUMBERS
     SENSORS,  # of each force and torque sensor: place of its data, site, body, and 1 for force
     N_SENSORS,
     NO_GRAVITY,  # the bit of the model's flags that disables it
-    # offsets in the model
-    AT_GRAVITY,
-    AT_FLAGS,
-    AT_FLOW,  # four numbers of the model's own: velocity of the water [m/s], or 0 and the number of its flow
-    AT_TIME_STEP,
-    AT_ARMATURE,
-    # offsets in the data
-    AT_QVEL,
-    AT_QACC,
-    AT_XPOS,
-    AT_XMAT,
-    AT_SUBTREE_COM,
-    AT_CDOF,
-    AT_CDOF_DOT,
-    AT_CVEL,
-    AT_CRB,
-    AT_M,
-    AT_QFRC_PASSIVE,
-    AT_QFRC_FLUID,
-    AT_TIME,
-    AT_CACC,
-    AT_CFRC_INT,
-    AT_SITE_XPOS,
-    AT_SITE_XMAT,
-    AT_SENSORDATA,
     TABLE_SIZE,
-) = range(51)
+) = range(len(AT) + len(IN_MODEL), 54)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)

@@ -300,13 +300,10 @@ def _table(
     table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
     table[rows.PARENT : rows.LAWS + 1] = [a.ctypes.data for a in arrays.values()]
-    inside = native.model_offsets()
-    names = ("gravity", "disableflags", "o_friction", "timestep", "dof_armature")
     table[rows.NO_GRAVITY] = int(load_mujoco().mjtDisableBit.mjDSBL_GRAVITY)
-    table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
-    fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
-    fields += ("qfrc_passive", "qfrc_fluid", "time", "cacc", "cfrc_int", "site_xpos", "site_xmat", "sensordata")
-    table[rows.AT_QVEL : rows.TABLE_SIZE] = native.offsets(*fields)
+    inside = native.model_offsets()
+    table[: len(rows.AT)] = native.offsets()
+    table[list(rows.IN_MODEL)] = [inside[name] for name in rows.IN_MODEL._fields]
     return table, arrays
 
 

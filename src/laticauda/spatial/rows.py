@@ -9,6 +9,7 @@ from laticauda.actuation.laws import PASSIVE as PASSIVE
 from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.gaits.reference import WaveState
+from laticauda.mujoco_water.table import AT
 
 # --- Rows of a state
 TIME, TIME_REST, PHASE = range(3)  # of the yaw joints' wave, and the other numbers of gaits.reference.WaveState
@@ -34,7 +35,7 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + len(WaveState._fie
 ) = (0, 4, 5, 10, *range(15, 22))
 COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 
-# --- Whole numbers that the kernels need
+# --- Whole numbers that the kernels need, behind the offsets of MuJoCo's data
 (
     MODEL,
     DATA,
@@ -46,19 +47,10 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     N_BODIES,
     IS_IMPLICIT,  # whether any joint is free
     IS_PLANAR,
-    AT_QPOS,
-    AT_QVEL,
-    AT_QACC,
-    AT_XMAT,
-    AT_XIPOS,
-    AT_SUBTREE_COM,
-    AT_CVEL,
-    AT_CFRC_EXT,
-    AT_TIME,
     HAS_SCENE,  # contact forces are part of the state then
     N_FIN_BODIES,  # whose contacts are those of the tail link
     SETUP_SIZE,
-) = range(22)
+) = range(len(AT), len(AT) + 13)
 
 # --- Where, in arrays of all robots in one scene, those of each begin; a last row says where they end
 (FIRST_STATE, FIRST_GIVEN, FIRST_JOINT, FIRST_BODY, FIRST_COLUMN, FIRST_QPOS, FIRST_QVEL, PLACES) = range(8)

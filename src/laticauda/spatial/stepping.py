@@ -113,7 +113,7 @@ def of_robot(W, r):
 def advance(N, X, C, J, R, dt):
     """One robot's generator, and the time in the data, at which the water is looked at."""
     advance_reference(X, C, J, R, dt)
-    numbers(N[DATA] + N[AT_TIME], 1)[0] = X[TIME]
+    numbers(N[DATA] + N[AT.time], 1)[0] = X[TIME]
 
 
 @kernel
@@ -220,7 +220,7 @@ def follow_links(N, order, qpos, links):
         for i in range(1, n):
             links[i] = links[i - 1] + qpos[N[N_BASE_QPOS] + i - 1]
         return
-    xmat = field(N[DATA], N[AT_XMAT], 9 * N[N_BODIES])
+    xmat = field(N[DATA], N[AT.xmat], 9 * N[N_BODIES])
     for i in range(n):
         b = 9 * order[i]
         gap = np.arctan2(xmat[b + 3], xmat[b]) - links[i]
@@ -231,7 +231,7 @@ def follow_links(N, order, qpos, links):
 def sum_contacts(N, order, forces):
     """Force of all contacts on every link, world axes, from what the solver has found; the fin's on the tail link."""
     forces_after(N[MODEL], N[DATA])
-    on_body = field(N[DATA], N[AT_CFRC_EXT], 6 * N[N_BODIES])
+    on_body = field(N[DATA], N[AT.cfrc_ext], 6 * N[N_BODIES])
     n = N[N_LINKS]
     forces[:] = 0.0
     for i in range(n + N[N_FIN_BODIES]):
@@ -247,8 +247,8 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     `mass` is that of every body, 0 of those that are not the robot's; `order` holds the body of each link.
     """
     n, bodies = N[N_LINKS], N[N_BODIES]
-    com, cvel = field(N[DATA], N[AT_SUBTREE_COM], 3 * bodies), field(N[DATA], N[AT_CVEL], 6 * bodies)
-    xipos, xmat = field(N[DATA], N[AT_XIPOS], 3 * bodies), field(N[DATA], N[AT_XMAT], 9 * bodies)
+    com, cvel = field(N[DATA], N[AT.subtree_com], 3 * bodies), field(N[DATA], N[AT.cvel], 6 * bodies)
+    xipos, xmat = field(N[DATA], N[AT.xipos], 3 * bodies), field(N[DATA], N[AT.xmat], 9 * bodies)
     for k in range(STATE_ROWS):
         sample[k] = X[k]
     o, c = STATE_ROWS, 3 * order[0]
@@ -325,8 +325,8 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     """
     M, n_robots = N[0], len(N)
     n_q, n_v = M[N_QPOS], M[N_QVEL]
-    qpos, qvel = field(M[DATA], M[AT_QPOS], n_q), field(M[DATA], M[AT_QVEL], n_v)
-    qacc = field(M[DATA], M[AT_QACC], n_v)
+    qpos, qvel = field(M[DATA], M[AT.qpos], n_q), field(M[DATA], M[AT.qvel], n_v)
+    qacc = field(M[DATA], M[AT.qacc], n_v)
     qpos[:], qvel[:] = moving[:n_q], moving[n_q:]
     U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
     W = (N, S, Y, C, J, np.zeros((3, len(J))), U, np.zeros((2, len(J))))
@@ -334,7 +334,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     for r in range(n_robots):
         _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
         set_reference(X, C_r, J_r, R)
-        numbers(M[DATA] + M[AT_TIME], 1)[0] = X[TIME]
+        numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
     implicit, led = N[:, IS_IMPLICIT].max() != 0, C[IS_LED] != 0.0
     two_ways = implicit and any_prescribed(J)
     if led:

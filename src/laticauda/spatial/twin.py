@@ -110,9 +110,9 @@ class Twin:
 
     def _numbers(self, robot: Robot, setup: Spatial, n_bodies: int) -> np.ndarray:
         base = (3, 3) if setup.root == "planar" else (7, 6)
-        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel", "cfrc_ext", "time")
         return np.array(
             [
+                *native.offsets(),
                 self.model._address,
                 self._data._address,
                 self.n_qpos,
@@ -122,7 +122,6 @@ class Twin:
                 self.model.nbody,
                 not setup.joints.prescribed or has_hinges(robot),
                 setup.root == "planar",
-                *native.offsets(*fields),
                 setup.scene is not None,
                 n_bodies - robot.n_links,
             ],
