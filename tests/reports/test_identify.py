@@ -2,6 +2,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from identify.trials import FRICTION, speeds
 
@@ -54,12 +55,12 @@ def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
     assert "the noise is taken as stated." in other
     assert "<li>Look at this.</li>" in other
     assert "Command:" not in other
-    table = identification_tables(done)["directions"]
+    table = pd.DataFrame(identification_tables(done)["directions"])
     assert [bool(seen) for seen in table["seen"]] == [one.is_seen for one in done.found.identifiability.directions]
 
 
 def test_what_is_not_identified_is_no_number_in_table_and_json(done):
-    table = identification_tables(done)["parameters"]
+    table = pd.DataFrame(identification_tables(done)["parameters"])
     assert list(table["value"].isna()) == [not estimate.is_identified for estimate in done.found.estimates]
     assert any(table["value"].isna())
     assert table["prior"][0] == "0.3 ± 0.2"
@@ -69,7 +70,7 @@ def test_what_is_not_identified_is_no_number_in_table_and_json(done):
 
 
 def test_what_is_left_out_stands_beside_the_null_models(done):
-    rows = identification_tables(done)["errors"].set_index("model")
+    rows = pd.DataFrame(identification_tables(done)["errors"]).set_index("model")
     mine = rows.loc["this fit"]
     assert mine["fitted [%]"] == pytest.approx(done.found.percentage_error())
     assert mine["measurement left out [%]"] > mine["fitted [%]"]
@@ -93,7 +94,7 @@ def test_names_are_short_where_that_leaves_them_different():
 
 
 def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(done):
-    table = identification_tables(done)["residuals"]
+    table = pd.DataFrame(identification_tables(done)["residuals"])
     assert len(table) == 6
     left_out, predicted = ((table[name] - table["measured"]).abs() for name in ("left out", "predicted"))
     assert np.all(left_out >= predicted - 1e-12)

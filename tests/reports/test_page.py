@@ -1,6 +1,5 @@
 from html.parser import HTMLParser
 
-import pandas as pd
 import pytest
 from jinja2 import ChoiceLoader, DictLoader, UndefinedError
 
@@ -53,7 +52,7 @@ def read(text: str) -> Balance:
 
 
 def page(text: str, n: int = 1) -> str:
-    frames = {"alone": pd.DataFrame({text: [text]}), "grouped": pd.DataFrame({"kind": ["alike"] * 2, "v": [1, 2]})}
+    frames = {"alone": [{text: text}], "grouped": [{"kind": "alike", "v": v} for v in (1, 2)]}
     return templates().from_string(PAGE).render(text=text, n=n, **frames)
 
 
@@ -94,7 +93,7 @@ def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_mi
     text = """{% from "parts.html" import table %}{% call table(tables["t"], {"v [m/s]": ".2f"}) %}{% endcall %}"""
     mine = DictLoader({"t.html": text})
     made = templates().overlay(loader=ChoiceLoader([mine, parts]))
-    chapter = Chapter(name="t", values={}, tables={"t": pd.DataFrame(rows)}, templates=lambda: made)
+    chapter = Chapter(name="t", values={}, tables={"t": rows}, templates=lambda: made)
     files, html = write_chapter(chapter, tmp_path)
     assert files == ["t.csv"]
     assert (tmp_path / "t.csv").read_text() == '"a, b",v [m/s],end\nx,0.123456,yes\n"""",,no\n'

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import BadFlag, File, Folder, Inputs, Words, flag, options_of, was_typed
@@ -210,10 +210,7 @@ def _unknown(word: str) -> dict[str, Any]:
 
 def _text(done: validation.Validation, folder: Path) -> str:
     """The parameters, what the data do not see, the errors, and where everything is."""
-    found = done.found
-    tables: dict[str, list[dict[str, Any]]] = {
-        name: cast("Any", frame).to_dict("records") for name, frame in identification_tables(done).items()
-    }
+    found, tables = done.found, identification_tables(done)
     rows = [{name: one for name, one in row.items() if name not in ("prior", "range")} for row in tables["parameters"]]
     parts = [found.status, table(rows)]
     if "began" in tables:

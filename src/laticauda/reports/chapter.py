@@ -5,18 +5,15 @@ and sets `title`, the block `introduction`, and `chapters` (names, titles, texts
 "parts.html". `templates/identify.html` uses all of it. A package with templates of its own hands them on:
 
     mine = partial(templates, "my.package")
-    chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": frame}, templates=mine)
+    chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": rows}, templates=mine)
     files, html = write_chapter(chapter, writable_folder("out"))
 """
-
-# The annotations of pandas and xarray are partial; nothing of theirs leaves this module.
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import base64
 import io
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -25,11 +22,10 @@ from typing import TYPE_CHECKING, Any
 from laticauda.errors import BadArgument
 from laticauda.extras import optional_import
 from laticauda.files import write
-from laticauda.reports.texts import as_csv, form_of, in_digits, is_numeric, share, shown, span
+from laticauda.reports.texts import Row, as_csv, form_of, in_digits, is_numeric, share, shown, span
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from laticauda.trial import Trial
 
@@ -77,13 +73,13 @@ class Chapter:
     """Of its template, and of its part of the page."""
     values: Mapping[str, Any]
     """What the template speaks of, beside its `tables` and `pictures`."""
-    tables: "Mapping[str, DataFrame]"
+    tables: Mapping[str, Sequence[Row]] = field(default_factory=dict[str, Sequence[Row]])
     """Written as CSV files under their names; None and nan are missing."""
     n_figures: int = 0
     """How many figures there are [-]."""
     figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
     """One figure after the other: the name of its files, its caption, and the figure."""
-    trials: "Mapping[str, Trial]" = field(default_factory=dict)
+    trials: "Mapping[str, Trial]" = field(default_factory=dict[str, "Trial"])
     """Stored as netCDF files under their names."""
     templates: Callable[[], Any] = templates
     """What renders its template."""
@@ -137,8 +133,8 @@ def write_chapter(
 
     for name, trial in chapter.trials.items():
         trial.save(folder / f"{name}.nc")
-    for name, frame in chapter.tables.items():
-        write(folder / f"{name}.csv", as_csv(frame))
+    for name, rows in chapter.tables.items():
+        write(folder / f"{name}.csv", as_csv(rows))
     files = [*(f"{name}.nc" for name in chapter.trials), *(f"{name}.csv" for name in chapter.tables)]
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():

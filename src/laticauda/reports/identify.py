@@ -5,7 +5,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,7 @@ from laticauda.identify.result import ParameterEstimate
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
 from laticauda.reports import chapter, texts
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-Row = dict[str, Any]
+from laticauda.reports.texts import Row
 
 _PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
@@ -135,14 +132,12 @@ def sources_of(task: Task) -> dict[str, str]:
 # ---- tables --------------------------------------------------------------------------------------------------------
 
 
-def identification_tables(done: Validation) -> "dict[str, DataFrame]":
+def identification_tables(done: Validation) -> dict[str, list[Row]]:
     """All of them by name; what is not there has no table.
 
     Args:
         done: What was found.
     """
-    from pandas import DataFrame
-
     rows = {
         "parameters": _parameters(done),
         "directions": _directions(done),
@@ -153,7 +148,7 @@ def identification_tables(done: Validation) -> "dict[str, DataFrame]":
         "began": _began(done),
         "errors": [] if done.errors["fitted"] is None else errors_of({"this fit": done}),
     }
-    return {name: DataFrame(found) for name, found in rows.items() if found}
+    return {name: found for name, found in rows.items() if found}
 
 
 def _parameters(done: Validation) -> list[Row]:

@@ -1,14 +1,15 @@
 """Numbers and tables as readers get them: rounded on a page, with all digits in a CSV file."""
 
-# pandas' own annotations are partial: this module hands on typed texts.
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-
+import csv
+import io
 import math
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
+import numpy as np
+
+Row = dict[str, Any]
+"""Of a table, by column; all rows have the columns of the first."""
 
 
 def in_digits(value: float, form: str = "") -> str:
@@ -37,15 +38,15 @@ def shown(cell: Any, form: str = "") -> str:
     return plain if isinstance(cell, str) or plain in ("yes", "no") else in_digits(cell, form)
 
 
-def is_numeric(cells: Iterable[Any]) -> bool:
+def is_numeric(rows: Iterable[Row], column: str) -> bool:
     """Whether a column holds numbers: they end one below the other.
 
     Args:
-        cells: Of the column.
+        rows: The table.
+        column: Its name.
     """
-    texts = [shown(cell) for cell in cells]
-    known = [(cell, text) for cell, text in zip(cells, texts, strict=True) if text != "NA"]
-    return bool(known) and not any(isinstance(cell, str) or text in ("yes", "no") for cell, text in known)
+    known = [row[column] for row in rows if shown(row[column]) != "NA"]
+    return bool(known) and not any(isinstance(cell, str | bool | np.bool_) for cell in known)
 
 
 def form_of(column: str, forms: Mapping[str, str]) -> str:
@@ -80,19 +81,23 @@ def share(part: int, whole: int) -> str:
     return f"all {whole}" if part == whole else f"none of the {whole}" if part == 0 else f"{part} of the {whole}"
 
 
-def as_csv(frame: "DataFrame") -> str:
+def as_csv(rows: Sequence[Row]) -> str:
     """The content of a table's CSV file; ten digits hide the noise of the last bits, and missing cells are empty.
 
     Args:
-        frame: The table.
+        rows: The table.
     """
-    return frame.map(_plain).to_csv(index=False, lineterminator="\n")
+    text = io.StringIO()
+    lines = csv.DictWriter(text, [*rows[0]] if rows else [], lineterminator="\n")
+    lines.writeheader()
+    lines.writerows({column: _plain(cell) for column, cell in row.items()} for row in rows)
+    return text.getvalue()
 
 
 def _plain(cell: Any) -> Any:
     """A cell as a CSV file has it."""
-    import numpy as np
-
     if isinstance(cell, bool | np.bool_):
         return "yes" if cell else "no"
-    return f"{cell:.10g}" if isinstance(cell, float) and not math.isnan(cell) else cell
+    if not isinstance(cell, float):
+        return cell
+    return "" if math.isnan(cell) else f"{cell:.10g}"

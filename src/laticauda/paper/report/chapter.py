@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
@@ -11,9 +11,7 @@ from laticauda.paper.measured import MeasuredRow, PrintedChange
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.scores import FinGain, scores
 from laticauda.reports.chapter import Chapter, templates
-
-Row = dict[str, Any]
-"""Of a table, by column."""
+from laticauda.reports.texts import Row
 
 
 @cache
@@ -29,18 +27,8 @@ def paper_templates() -> Any:
     return made
 
 
-def paper_chapter(name: str, tables: Mapping[str, Iterable[Row]], **more: Any) -> Chapter:
-    """A chapter of the paper's report.
-
-    Args:
-        name: Of its template.
-        tables: By name, their rows.
-        more: Further fields of the chapter.
-    """
-    from pandas import DataFrame
-
-    frames = {table: DataFrame([*rows]) for table, rows in tables.items()}
-    return Chapter(name=name, tables=frames, templates=paper_templates, **more)
+paper_chapter = partial(Chapter, templates=paper_templates)
+"""A chapter of the paper's report."""
 
 
 def figure_numbers(numbers: Sequence[int]) -> str:

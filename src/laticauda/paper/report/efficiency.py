@@ -9,10 +9,11 @@ from laticauda.paper.claims.quantities import best_null, fin_by_gait
 from laticauda.paper.efficiency import EfficiencyStudy, SweepResult, maxima
 from laticauda.paper.measured import percent_change
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter
+from laticauda.reports.texts import Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +31,7 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         repeats: Repeated trials to draw beside the paper's (`load_repeats`).
     """
     return paper_chapter(
-        "efficiency",
+        name="efficiency",
         values={"study": study, "settings": study.settings, "repeats": repeats, **_findings(study, repeats)},
         tables=_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),

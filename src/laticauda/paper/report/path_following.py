@@ -1,7 +1,7 @@
 """The path-following study for readers: its tables, its figures, and what its chapter of the report speaks of."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +10,10 @@ from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
-from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
 from laticauda.reports.chapter import Chapter
+from laticauda.reports.texts import Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         study: What `run_path_following` returned.
     """
     return paper_chapter(
-        "path-following",
+        name="path-following",
         values={
             "study": study,
             "settings": study.settings,
@@ -184,7 +185,7 @@ def _speeds(case: FollowingCase) -> str:
 # ---- tables --------------------------------------------------------------------------------------------------------
 
 
-def _tables(study: PathFollowingStudy) -> dict[str, Iterable[Row]]:
+def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     """By name: Table 2 row by row, every run, what the loop changes, the fin, errors, costs."""
     cases = study.cases
     return {
@@ -195,8 +196,8 @@ def _tables(study: PathFollowingStudy) -> dict[str, Iterable[Row]]:
         "following-loop": [_loop(case) for case in cases],
         "following-errors": error_rows(study, "numbers fitted to Table 1", {}),
         "following-fin": [_fin(gain) for gain in fin_gains(cases)],
-        "following-joules": _joules(study),
-        "following-runs": _runs(study),
+        "following-joules": [*_joules(study)],
+        "following-runs": [*_runs(study)],
     }
 
 

@@ -198,7 +198,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
         yield "speeds", "Speeds of the robot against those simulated.", figure
 
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
-    return paper_chapter("summary", {}, values=values, n_figures=1, figures=figures)
+    return paper_chapter(name="summary", values=values, n_figures=1, figures=figures)
 
 
 def _counted(judged: Sequence[Claim]) -> dict[str, int]:
@@ -240,7 +240,7 @@ def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | 
         for entry in misprints()
     ]
     return paper_chapter(
-        "claims",
+        name="claims",
         values={"n_claims": len(found), "counts": _counted(found)},
         tables={"claims": claims, "misprints": misprinted},
     )
