@@ -1,7 +1,6 @@
 """Where a robot is with respect to a path: the one answer that every path gives, and all that guidance sees of it."""
 
-from dataclasses import dataclass
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -16,8 +15,7 @@ Distances: TypeAlias = Float[np.ndarray, " n_points"]
 Points: TypeAlias = Float[np.ndarray, "n_points 2"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class PathFrame:
+class PathFrame(NamedTuple):
     """A position seen from the path: from the nearest point of it, in axes along and across."""
 
     along_track_distance: float
@@ -34,8 +32,11 @@ class PathFrame:
     @property
     def signals(self) -> dict[str, float]:
         """What logs have of it."""
-        names = "cross_track_error", "along_track_distance", "path_tangential_angle"
-        return {name: float(getattr(self, name)) for name in names}
+        return {
+            "cross_track_error": float(self.cross_track_error),
+            "along_track_distance": float(self.along_track_distance),
+            "path_tangential_angle": float(self.path_tangential_angle),
+        }
 
 
 class Path(Extensible, Generic[State], group="paths", homes=PATHS):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 from laticauda.angles import wrap_to_pi
@@ -75,7 +76,7 @@ class PathFollowing(Controller[PathFollowingState]):
         if self.heading_estimate == "cycle_mean":
             positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
 
-    @property
+    @cached_property
     def estimate(self) -> HeadingEstimate:
         """The heading estimate."""
         is_raw = self.heading_estimate == "raw"

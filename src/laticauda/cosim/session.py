@@ -282,7 +282,8 @@ def _names(value: object) -> list[str]:
 
 def _seen(world: World) -> dict[str, Any]:
     seen, last = world.plant.observe(world.state), world.log.last
-    return {"observation": vars(seen), **{name: last[name] for name in LOADS if name in last}}
+    observed = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
+    return {"observation": observed, **{name: last[name] for name in LOADS if name in last}}
 
 
 def _command(world: World) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -118,7 +119,7 @@ class Plant(ABC, Generic[ModelType]):
         """T of the smooth start [s]."""
         return cast(float, self.settings.ramp)
 
-    @property
+    @cached_property
     def is_implicit(self) -> bool:
         """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
         return not self.joints.prescribed or has_hinges(self.robot)
@@ -256,10 +257,11 @@ class Plant(ABC, Generic[ModelType]):
         """The log of stretches of time.
 
         Args:
-            stretches: They follow each other; none has the samples of the one before.
+            stretches: They follow each other; each begins with the sample that the one before ended with.
         """
-        samples = np.concatenate([one.samples for one in stretches]) if len(stretches) > 1 else stretches[0].samples
-        found, counts = self._samples(samples), [len(one.samples) for one in stretches]
+        samples, *more = [one.samples for one in stretches]
+        counts = [len(samples), *(len(one) - 1 for one in more)]
+        found = self._samples(np.concatenate([samples, *(one[1:] for one in more)]) if more else samples)
         driven: dict[str, np.ndarray] = {}
         for _, group, number, _ in EFFECTORS:
             for i, one in enumerate(getattr(self.robot, group)):
@@ -268,7 +270,8 @@ class Plant(ABC, Generic[ModelType]):
                     driven[f"{number}_{i}"] = np.repeat(np.array(given, dtype=float), counts)
         force = dict(found.link_force or {})
         if all(one.force is not None for one in stretches):
-            every = np.concatenate([cast(np.ndarray, one.force) for one in stretches], axis=1)
+            first, *more = [cast(np.ndarray, one.force) for one in stretches]
+            every = np.concatenate([first, *(one[:, 1:] for one in more)], axis=1)
             force = dict(zip(FORCES, every, strict=True)) | force
         return Log(
             **found.seen,

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple, cast
 
@@ -36,7 +37,7 @@ class Layout:
     has_extras: bool
     """Whether any body has loads besides its own drag."""
 
-    @property
+    @cached_property
     def chain(self) -> tuple[object, ...]:
         """The shape of the chain, as the kernels take it."""
         return self.n_bodies, self.first_strip, self.first_plate, self.law, self.tail_link, self.has_extras

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from laticauda import gaits
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
@@ -104,11 +105,10 @@ class PlanarPlant(Plant[Planar]):
         return rows.HEADER_ROWS + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS + rows.ENVELOPE
 
     @cached_property
-    def _written(self) -> np.ndarray:
-        """The rows of a command, of a state vector and of the envelope."""
+    def _state(self) -> np.ndarray:
+        """The rows of a state vector."""
         joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
-        header = [*range(rows.AMPLITUDE, rows.RAMP + 1), *range(rows.TIME, rows.TIME + rows.LOG_STATE)]
-        return np.concatenate((header, joints + rows.ANGLE, joints + rows.RATE, self._envelope))
+        return np.concatenate((rows.TIME + np.arange(rows.LOG_STATE), joints + rows.ANGLE, joints + rows.RATE))
 
     @cached_property
     def _kernels(self) -> Any:
@@ -139,23 +139,41 @@ class PlanarPlant(Plant[Planar]):
 
     def observe(self, state: PlantState) -> Observation:
         """What can be seen of a state."""
-        return Observation(**{name: value[0] for name, value in self._seen(state.values[np.newaxis, :]).items()})
+        seen = object.__new__(_Seen)
+        vars(seen).update(self._named(state.values))
+        return seen
 
     def rows(self, state: PlantState, command: Command) -> np.ndarray:
         """All rows: the layout's parameters, the command, the state."""
-        a, gait = self.layout, command.gait
+        gait, (kept, asked) = command.gait, self._kept
         if gait.pitch is not None or command.pitch_offset != 0.0:
             raise BadArgument(
                 "gait.pitch",
                 "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}",
             )
+        is_plain = command.references is command.enabled is command.thrusts is command.deflections is None
+        if kept is not gait or not is_plain:
+            asked = self._asked(command)
+            vars(self)["_kept"] = gait if is_plain else None, asked
+        S = asked.copy()
+        S[self._state] = self._begun(state, command)
+        if command.references is not None:
+            return S
+        S[rows.OFFSET] = gait.offset + command.offset
+        if (table := self._recorded(command, self.layout.template[self._envelope])) is None:
+            return S
+        S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
+        return np.concatenate((S, table.ravel()))
+
+    def _asked(self, command: Command) -> np.ndarray:
+        """All rows but those of the offset, the state and a recording."""
+        a = self.layout
         S, (yaw, _, fin) = a.template.copy(), self._targets(command)
-        shares = S[self._envelope]  # of prescribed joints, what they do of their references
-        wave = *yaw[:4], fin.amplitude, fin.frequency, fin.offset, fin.phase
+        wave = *yaw[:3], 0.0, fin.amplitude, fin.frequency, fin.offset, fin.phase
         loop = self.settings.offset_bandwidth, self.ramp if command.references is None else 0.0
-        envelope = shares * gait.joint_envelope(self.robot.n_links)
-        S[self._written] = np.concatenate(((*wave, *loop), self._begun(state, command), envelope))
+        S[rows.AMPLITUDE : rows.RAMP + 1] = *wave, *loop
+        S[self._envelope] *= command.gait.joint_envelope(self.robot.n_links)
         if (robot := command.effectors(self.robot)) is not self.robot:
             write_effectors(S[: S.size - self.flow.numbers.size], robot, self.environment, first_link=a.tail_link)
         if command.references is not None or command.enabled is not None:
@@ -164,10 +182,12 @@ class PlanarPlant(Plant[Planar]):
             joints = body[driven, : rows.JOINT_ROWS]
             self._hold(joints, command)
             body[driven, : rows.JOINT_ROWS] = joints
-        if (table := self._recorded(command, shares)) is None:
-            return S
-        S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
-        return np.concatenate((S, table.ravel()))
+        return S
+
+    @cached_property
+    def _kept(self) -> tuple[gaits.Gait | None, np.ndarray]:
+        """The last gait and its rows: what steers by the offset alone asks for the same ones again and again."""
+        return None, self.layout.template
 
     def towing_load(self, speed: float, angle: float = 0.0) -> tuple[float, float, float]:
         """What the water does to the straight robot that is towed at a constant velocity.
@@ -239,33 +259,30 @@ class PlanarPlant(Plant[Planar]):
         body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
         return body[:, :, a.tail_link :]
 
-    def _seen(self, samples: np.ndarray) -> dict[str, np.ndarray]:
-        """State rows by their names; the fin's locked joints are left out."""
-        heading = samples[:, _at(rows.HEADING)]
-        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
-        angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
-        relative = angle.cumsum(axis=1)  # of every link but the tail's to the tail link
-        # The last of running sums: sums and matrix products may round differently with the number of samples.
-        tail = heading - relative.cumsum(axis=1)[:, -1:].sum(axis=1) / self.robot.n_links
-        links = np.empty((len(samples), self.robot.n_links))
-        links[:, 0] = tail
-        np.add(tail[:, np.newaxis], relative, out=links[:, 1:])
+    @cached_property
+    def _columns(self) -> dict[str, Any]:
+        """Where in a sample stands what an observation names; the fin's locked joints are left out."""
+        fin, joints = rows.LOG_STATE + self.layout.tail_link, self.layout.n_bodies - 1
         return {
-            "time": samples[:, _at(rows.TIME)],
-            "center_of_mass": samples[:, _at(rows.X) : _at(rows.Y) + 1],
-            "center_of_mass_velocity": samples[:, _at(rows.VX) : _at(rows.VY) + 1],
-            "heading": heading,
-            "heading_rate": samples[:, _at(rows.HEADING_RATE)],
-            "link_angle": links,
-            "joint_angle": angle,
-            "joint_rate": samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints],
+            "time": _at(rows.TIME),
+            "center_of_mass": slice(_at(rows.X), _at(rows.Y) + 1),
+            "center_of_mass_velocity": slice(_at(rows.VX), _at(rows.VY) + 1),
+            "heading": _at(rows.HEADING),
+            "heading_rate": _at(rows.HEADING_RATE),
+            "joint_angle": slice(fin, rows.LOG_STATE + joints),
+            "joint_rate": slice(fin + joints, rows.LOG_STATE + 2 * joints),
         }
 
+    def _named(self, samples: np.ndarray) -> dict[str, np.ndarray]:
+        """What an observation names, of many samples or of one, but the angles of the links."""
+        columns = samples.T
+        return {name: columns[which].T for name, which in self._columns.items()}
+
     def _samples(self, samples: np.ndarray) -> Samples:
-        tail, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        tail, joints, seen = self.layout.tail_link, self.layout.n_bodies - 1, self._named(samples)
         columns = np.moveaxis(samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints), 1, 0)
         return Samples(
-            seen=self._seen(samples),
+            seen=seen | {"link_angle": _links(seen["heading"], seen["joint_angle"])},
             reference=columns[2, :, tail:],
             offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
             torque=columns[3, :, tail:],
@@ -273,6 +290,25 @@ class PlanarPlant(Plant[Planar]):
             fin=tuple(columns[:, :, [tail - k - 1 for k in self.robot.fin_joints]]),
             signals={},
         )
+
+
+class _Seen(Observation):
+    """What can be seen in the plane; angles of links are worked out when somebody looks at them."""
+
+    @cached_property
+    def link_angle(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """theta [rad]."""
+        return _links(self.heading, self.joint_angle)
+
+
+def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:
+    """Angles of the links from their mean and those of the joints, the last axis; of one sample or of many [rad]."""
+    angle = joint_angle.T
+    links = np.zeros((len(angle) + 1, *angle.shape[1:]))
+    # Running sums, since those of numpy and matrix products may round differently with the number of samples.
+    angle.cumsum(axis=0, out=links[1:])  # of every link but the tail's to the tail link
+    links += heading - links.cumsum(axis=0)[-1] / len(links)
+    return links.T
 
 
 def _at(row: int) -> int:

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import chain, pairwise
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypedDict, Unpack, cast
 
@@ -23,6 +23,8 @@ Until = Callable[[Observation], bool]
 States = Sequence[Any]
 Marched = tuple[States, Sequence[Stretch], str | None]
 """States of all plants after a stretch of time, what it left behind, and what went wrong, if anything."""
+March = Callable[[States, Sequence[Command], float, float], Marched]
+"""As `Plant.advance`, for all plants at once."""
 
 CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
@@ -101,7 +103,7 @@ def run(
 def run_all(
     scenarios: Sequence[Scenario],
     plants: Sequence[Plant[Any]],
-    march: Callable[[States, Sequence[Command], float, float], Marched],
+    march: March,
     *,
     until: Until | None = None,
     check: Callable[[States], object] = lambda states: None,
@@ -122,88 +124,95 @@ def run_all(
     """
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     check_size(duration, sample_interval)
-    controllers = [one.controller for one in scenarios]
-    for controller, body in zip(controllers, plants, strict=True):
-        controller.check(body.robot)
-    states = [_begun(body, one.start, one.gait) for body, one in zip(plants, scenarios, strict=True)]
-    check(states)
-    minds = [controller.init() for controller in controllers]
-    commands = [Command(gait=controller.gait) for controller in controllers]
-    delays = [_delay(body, one.controller, one.start) for body, one in zip(plants, scenarios, strict=True)]
-    line = _Line(march=march, commands=[[(0.0, command)] for command in commands], delays=delays)
-    pace = min(controller.interval for controller in controllers)
-    logs: list[list[list[Stretch]]] = [[] for _ in plants]  # of each plant, of each stretch, the parts of it
-    signals: list[list[Mapping[str, float]]] = []
+    for one, body in zip(scenarios, plants, strict=True):
+        one.controller.check(body.robot)
+    swimmers = [_Swimmer(plant=body, scenario=one) for body, one in zip(plants, scenarios, strict=True)]
+    check([one.state for one in swimmers])
+    pace = min(one.controller.interval for one in swimmers)
     failure: str | None = None
     reached, now = 0, 0.0
     for share, count, done in _stretches(duration, sample_interval, pace):
-        seen = [body.observe(state) for body, state in zip(plants, states, strict=True)]
-        if until is not None and signals and until(seen[0]):
-            scenarios = [replace(one, duration=_cut(duration, pace, reached)) for one in scenarios]
+        seen = [one.plant.observe(one.state) for one in swimmers]
+        if until is not None and reached and until(seen[0]):
+            duration = _cut(duration, pace, reached)
             break
-        for k, controller in enumerate(controllers):
-            if not signals or controller.interval <= pace:
-                minds[k], commands[k] = controller.step(minds[k], seen[k])
-                instance("command", commands[k], Command)
-        signals.append([controller.signals(mind) for controller, mind in zip(controllers, minds, strict=True)])
-        states, found, failure = line.march_on(states, commands, now, share, count)
-        for own, parts in zip(logs, found, strict=True):
-            own.append([parts[0].at(slice(1, None)), *parts[1:]] if own else parts)
+        for one, observation in zip(swimmers, seen):  # noqa: B905 - many times a second
+            one.decide(observation, now, pace)
+        failure = _march_on(swimmers, march, now, share, count)
         if failure is not None:
             break
         reached, now = reached + 1, done
         if progress is not None:
             progress(done)
-    trials: list[Trial] = []
-    for k, one in enumerate(scenarios):
-        counts = [sum(len(part.samples) for part in parts) for parts in logs[k]]
-        log, said = plants[k].log(list(chain(*logs[k]))), _held([each[k] for each in signals], counts)
-        trial = Trial(
+    return [one.trial(duration, failure) for one in swimmers]
+
+
+class _Swimmer:
+    """A plant on its way: its state, the controller that drives it, and what both leave behind.
+
+    Args:
+        plant: What swims.
+        scenario: Its own.
+    """
+
+    def __init__(self, plant: Plant[Any], scenario: Scenario) -> None:
+        self.plant, self.scenario, self.controller = plant, scenario, scenario.controller
+        self.state = _begun(plant, scenario.start, scenario.gait)
+        self.mind = self.controller.init()
+        self.delay = _delay(plant, self.controller, scenario.start)
+        # What lies between controller and joints: from when on each command acts [s]; the first one does.
+        self.line = [(0.0, Command(gait=self.controller.gait))]
+        self.log: list[Stretch] = []
+        self.signals: list[Mapping[str, float]] = []
+        self.counts: list[int] = []  # of the samples behind each control instant
+
+    def decide(self, seen: Observation, now: float, pace: float) -> None:
+        """One control instant; a controller slower than the `pace` of the others keeps its first command."""
+        controller, command = self.controller, self.line[-1][1]
+        if not self.signals or controller.interval <= pace:
+            self.mind, command = controller.step(self.mind, seen)
+            instance("command", command, Command)
+        self.signals.append(controller.signals(self.mind))
+        self.counts.append(0)
+        self.line.append((now + self.delay, command))
+        while len(self.line) > 1 and self.line[1][0] <= now + CLOSE:
+            del self.line[0]
+
+    def trial(self, duration: float, failure: str | None) -> Trial:
+        """What was logged, of a run of that duration [s] that may have ended by a failure."""
+        log, scenario = self.plant.log(self.log), self.scenario
+        self.counts[-1] += 1  # a sample at a control instant is logged as the last one before it, but for the very last
+        said = {name: np.repeat([one[name] for one in self.signals], self.counts) for name in self.signals[0]}
+        return Trial(
             **vars(replace(log, signals={**said, **log.signals})),
-            scenario=one,
+            scenario=scenario if duration == scenario.duration else replace(scenario, duration=duration),
             version=packaging.__version__,
             status=failure or "The run reached its end.",
             succeeded=failure is None,
-            state=plants[k].pack(states[k]) if failure is None else {},
+            state=self.plant.pack(self.state) if failure is None else {},
         )
-        trials.append(trial)
-    return trials
 
 
-@dataclass(kw_only=True)
-class _Line:
-    """What lies between controllers and joints, and keeps commands for a while."""
-
-    march: Callable[[States, Sequence[Command], float, float], Marched]
-    """See `run_all`."""
-    commands: list[list[tuple[float, Command]]]
-    """Of each robot: from when on each acts [s]; the first one does."""
-    delays: list[float]
-    """Of each robot [s]."""
-
-    def march_on(
-        self, states: States, commands: Sequence[Command], now: float, share: float, count: int
-    ) -> tuple[States, list[list[Stretch]], str | None]:
-        """Let a stretch of time go by at whose begin commands are given, in parts where one of them changes."""
-        for line, delay, command in zip(self.commands, self.delays, commands, strict=True):
-            line.append((now + delay, command))
-            while len(line) > 1 and line[1][0] <= now + CLOSE:
-                del line[0]
-        interval = share / count
-        turns = [due - now for line in self.commands for due, _ in line[1:] if due < now + share - CLOSE]
-        if not turns:
-            states, found, failure = self.march(states, [line[0][1] for line in self.commands], share, interval)
-            return states, [[one] for one in found], failure
+def _march_on(swimmers: Sequence[_Swimmer], march: March, now: float, share: float, count: int) -> str | None:
+    """Let a stretch of time go by, in parts where a command begins to act; what went wrong, if anything."""
+    interval = share / count
+    turns = [due - now for one in swimmers for due, _ in one.line[1:] if due < now + share - CLOSE]
+    samples, moments = [], (0.0, share)
+    if turns:
         samples = [i * interval for i in range(count + 1)]
         between = {turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE}
-        logs, failure = list[list[Stretch]](), None
-        for begin, end in pairwise(sorted([*samples, *between])):
-            acting = [[one for due, one in line if due - now <= begin + CLOSE][-1] for line in self.commands]
-            states, found, failure = self.march(states, acting, end - begin, end - begin)
-            logs.append([log.at(slice(1 if logs else 0, None if end in samples else -1)) for log in found])
-            if failure is not None:
-                break
-        return states, [list(parts) for parts in zip(*logs, strict=True)], failure
+        moments = sorted([*samples, *between])
+    for begin, end in pairwise(moments):
+        acting = [[command for due, command in one.line if due - now <= begin + CLOSE][-1] for one in swimmers]
+        length = end - begin
+        states, found, failure = march([one.state for one in swimmers], acting, length, length if turns else interval)
+        for one, state, stretch in zip(swimmers, states, found):  # noqa: B905
+            one.state = state
+            one.log.append(stretch if not turns or end in samples else stretch.at(slice(None, -1)))
+            one.counts[-1] += len(one.log[-1].samples) - 1
+        if failure is not None:
+            return failure
+    return None
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
@@ -303,15 +312,6 @@ def _stretches(duration: float, sample_interval: float, control_interval: float)
         for first in range(0, n_samples, CHUNK):
             count = min(CHUNK, n_samples - first)
             yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
-
-
-def _held(signals: Sequence[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
-    """Signals at the samples of the log, each held from its control instant to the next."""
-    # A stretch begins at its control instant, but that sample is stored as the last one of the stretch before.
-    counts = np.array(n_samples)
-    counts[0] -= 1
-    counts[-1] += 1
-    return {name: np.repeat([values[name] for values in signals], counts) for name in signals[0]}
 
 
 def swim(
