@@ -107,10 +107,10 @@ class FullDisk(Sink):
         super().__init__(recorder)
         self._at = at
 
-    def tick(self, state, outputs, frames, tick) -> None:
-        if state.now is not None and state.now >= self._at:
+    def keep(self, now, found) -> None:
+        if now >= self._at:
             self.trouble = "no space left on device"
-        super().tick(state, outputs, frames, tick)
+        super().keep(now, found)
 
 
 def operation(chance: random.Random, rate: float, duration: float) -> Operation:

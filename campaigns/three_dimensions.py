@@ -29,6 +29,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.lab import LabSettings, Tank, VirtualRobot
+from laticauda.operate import Decision
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.files import load_operation
 from laticauda.operate.loop import TankDevices, run_loop
@@ -81,7 +82,8 @@ def operated() -> bool:
 
     def show(state, outputs):
         if state.phase == "running" and state.estimate is not None:
-            (x, y, z), signals = tank.truth.center_of_mass, outputs.signals
+            x, y, z = tank.truth.center_of_mass
+            signals = next((one.signals for one in outputs.entries if isinstance(one, Decision)), {})
             profile = operation.controller().profile
             along = signals.get("along_track_distance", rows[-1][3] if rows else 0.0)
             asked = profile.locate(0, np.array([along, 0.0]))[1].cross_track_error  # height of 0 above the profile

@@ -14,6 +14,7 @@ from laticauda.kinematics import Posture, link_angles
 from laticauda.operate import Event, PowerReading
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
+from laticauda.operate.recording.entries import Measurement
 from laticauda.operate.safety.transitions import TRANSITIONS
 from laticauda.protocol import (
     EmergencyStop,
@@ -153,7 +154,7 @@ class Run:
             self.state, self.outputs = self.operator.tick(before, self.rig.time, inputs)
             assert follows(before, self.state), "no row of the table of transitions"
             self.events += self.outputs.events
-            self.samples += self.outputs.samples
+            self.samples += [entry for entry in self.outputs.entries if isinstance(entry, Measurement)]
 
     def until(self, phase: str, patience: float = 60.0) -> None:
         end = self.rig.time + patience

@@ -9,7 +9,8 @@ import campaign_scripts
 
 import laticauda as lc
 from laticauda.estimation import Estimator
-from laticauda.operate import Event, Header, OperationRecorder, PowerReading
+from laticauda.operate import Decision, Event, Header, OperationRecorder, PowerReading
+from laticauda.operate.drivers.can import Frame
 from laticauda.scenarios import Experiment
 
 ROOT = Path(__file__).parents[2]
@@ -79,21 +80,20 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
                 if not torque and hasattr(sample, "torque"):
                     sample = type(sample)(time=sample.time, angle=sample.angle)
                 state = estimator.step(state, sample)
-                recorder.sample(sample, received=arrival)
+                recorder.record(sample, received=arrival)
                 at += 1
             if k == 100:
-                recorder.happened(Event(time=now, kind="start", message="The run begins."))
+                recorder.record(Event(time=now, kind="start", message="The run begins."))
             if k % 50 == 0:
-                recorder.sample(PowerReading(time=now, current=2.0, average=DRAWN, since=0.0))
-                recorder.can(now, 0x181, bytes([k % 256]), sent=True)
+                recorder.record(PowerReading(time=now, current=2.0, average=DRAWN, since=0.0))
+                recorder.record(Frame(now, 0x181, bytes([k % 256]), is_ours=True, message=None))
             estimate = estimator.estimate(state, now)
             if estimate is not None:
-                recorder.estimate(estimate)
+                recorder.record(estimate)
                 if k >= 100 and k % 5 == 0 and now <= stop:
                     thought, command = controller.step(thought, estimate)
-                    recorder.command(now, command, controller.signals(thought))
+                    signals = controller.signals(thought)
+                    recorder.record(Decision(time=now, command=command, signals=signals))
             if abs(now - stop) < 1e-6:
-                recorder.happened(
-                    Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True})
-                )
+                recorder.record(Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True}))
     return trial

@@ -152,7 +152,7 @@ def run_loop(
             if clock.is_real:
                 ticks.append(entries.Tick(due, now, clock.now()))
             if sink is not None:
-                sink.tick(state, outputs, (*received, *sent), ticks[-1] if ticks else None)
+                sink.keep(now, (*received, *sent, *ticks[-1:], *outputs.entries))
             if show is not None:
                 show(state, outputs)
             count += 1

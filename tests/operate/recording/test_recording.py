@@ -52,7 +52,7 @@ def test_the_ticks_of_the_loop_come_back_as_its_timing(tmp_path):
     ticks = [Tick(0.01 * k, 0.01 * k + 1e-4, 0.01 * k + 0.003) for k in range(1, 50)]
     with OperationRecorder(tmp_path / "a.mcap", Header(run=replace(RUN, notes={"rate": 100.0}))) as recorder:
         for tick in ticks:
-            recorder.tick(tick)
+            recorder.record(tick)
     timing = read_operation(tmp_path / "a.mcap").timing
     assert timing.interval == 0.01 and timing.missed == 0
     assert timing.ticks == ticks
@@ -69,7 +69,7 @@ def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
     ]
     with OperationRecorder(tmp_path / "a.mcap", Header(run=RUN)) as recorder:
         for sample in samples:
-            recorder.sample(sample, received=0.2)
+            recorder.record(sample, received=0.2)
     found = read_operation(tmp_path / "a.mcap").entries
     assert [type(entry) for entry in found] == [type(sample) for sample in samples]
     for one, two in zip(samples, found, strict=True):
@@ -121,7 +121,7 @@ CHILD = textwrap.dedent(
     header = Header(run=Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral")))
     recorder = OperationRecorder(sys.argv[1], header)
     for k in range(1, 10**6):
-        recorder.sample(PowerReading(time=0.01 * k, current=float(k)))
+        recorder.record(PowerReading(time=0.01 * k, current=float(k)))
         if k % 100 == 0:
             print(k, flush=True)
             sys.stdin.readline()
@@ -152,8 +152,8 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
     path = tmp_path / "open.mcap"
     header = Header(run=RUN)
     with OperationRecorder(path, header) as recorder:
-        recorder.sample(PowerReading(time=0.0, current=1.0))
-        recorder.happened(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
+        recorder.record(PowerReading(time=0.0, current=1.0))
+        recorder.record(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
         log = read_operation(path)
         assert [type(entry) for entry in log.entries] == [PowerReading, Event]
         assert log.entries[1].message == "Water in module 3." and log.entries[1].data == {"node": 3}

@@ -16,9 +16,9 @@ from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.operate.course import preparing
 from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared, take_in
-from laticauda.operate.recording.entries import Event
+from laticauda.operate.recording.entries import Decision, Entry, Event
 from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
-from laticauda.operate.safety.supervisor import Entry, Supervisor
+from laticauda.operate.safety.supervisor import Reaction, Supervisor
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of, phase_after, phase_with
 from laticauda.operate.settings import Operation
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
@@ -100,15 +100,17 @@ class Operator:
         state, wrong = self._monitored(state, before, now, inputs)
         state, events = self._prepared(state, now)
         state, requests = self._requested(state, now)
-        state, entries = self._supervised(state, now, wrong, requests)
+        state, reacted = self._supervised(state, now, wrong, requests)
         state = self._with_references(state, now)
         state, messages = self._with_orders(state, now)
-        events = (*events, *(_event(entry, wrong) for entry in entries), *_milestones(before, state, now))
-        outputs = Outputs(messages=messages, samples=samples, estimate=state.estimate, events=events)
-        if state.reference.n_decisions > before.reference.n_decisions:
-            signals = self.reference_source.signals(state.reference)
-            outputs = replace(outputs, command=state.reference.command, signals=signals)
-        return replace(state, now=now), outputs
+        found: list[Entry] = list(samples)
+        if state.estimate is not None:
+            found.append(state.estimate)
+            if state.reference.n_decisions > before.reference.n_decisions and state.reference.command is not None:
+                signals = self.reference_source.signals(state.reference)
+                found.append(Decision(time=state.estimate.time, command=state.reference.command, signals=signals))
+        found += (*events, *(_event(entry, wrong) for entry in reacted), *_milestones(before, state, now))
+        return replace(state, now=now), Outputs(messages=messages, entries=tuple(found))
 
     def _monitored(
         self, state: OperatorState, before: OperatorState, now: float, inputs: Inputs
@@ -165,7 +167,7 @@ class Operator:
 
     def _supervised(
         self, state: OperatorState, now: float, wrong: Mapping[str, str], requests: tuple[str, ...]
-    ) -> tuple[OperatorState, tuple[Entry, ...]]:
+    ) -> tuple[OperatorState, tuple[Reaction, ...]]:
         """The supervisor's step, and what follows from it."""
         limits, modules, before = self.operation.limits, state.modules, state.supervisor
         is_limp = modules.is_limp(now, limits.heartbeat_timeout)
@@ -258,7 +260,7 @@ def _milestones(before: OperatorState, state: OperatorState, now: float) -> list
     return found
 
 
-def _event(entry: Entry, wrong: Mapping[str, str]) -> Event:
+def _event(entry: Reaction, wrong: Mapping[str, str]) -> Event:
     """A line of the supervisor's log as an event of the recording."""
     rule, detail = BY_EVENT.get(entry.event), wrong.get(entry.event, "")
     return Event(

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda import interfaces, protocol
+from laticauda import protocol
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
 from laticauda.kinematics import turned_about_vertical
 from laticauda.operate.course.reference_source import ReferenceState
-from laticauda.operate.recording.entries import Event, Measurement, PowerReading
+from laticauda.operate.recording.entries import Entry, Event, Measurement, PowerReading
 from laticauda.operate.safety.limits import LimitState, Modules, updated
 from laticauda.operate.safety.supervisor import SupervisorState
 from laticauda.operate.safety.transitions import PHASES
@@ -97,16 +97,14 @@ class Outputs:
 
     messages: tuple[protocol.CanMessage, ...] = ()
     """To the bus, in this order."""
-    samples: tuple[Measurement, ...] = ()
-    """What the estimator took, in that order, on our clock and in the path frame; then the power meter's readings."""
-    estimate: Estimate | None = None
-    """Where the robot is; None before it is known."""
-    command: interfaces.Command | None = None
-    """What the controller decided at this tick; None where it was not due."""
-    signals: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Its signals, by name."""
-    events: tuple[Event, ...] = ()
-    """For the log."""
+    entries: tuple[Entry, ...] = ()
+    """To be recorded: what the estimator took, in that order, on our clock and in the path frame, the power meter's
+    readings, the estimate, what the controller decided if it was due, and what happened."""
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened."""
+        return tuple(entry for entry in self.entries if isinstance(entry, Event))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

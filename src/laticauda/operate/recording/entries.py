@@ -1,5 +1,6 @@
-"""What a recording holds, and the estimator's samples, its estimates and the loop's ticks as messages, bit for bit."""
+"""What a recording holds: the entries of an operation, and all but its events as messages, bit for bit."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple, TypeAlias, cast, get_args, get_type_hints
 import numpy as np
 from jaxtyping import Float
 
+from laticauda import codec
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.interfaces import Command
@@ -78,6 +80,10 @@ class Tick(NamedTuple):
         return self.began
 
 
+Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick
+"""What is recorded of an operation, besides the raw frames of the bus."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Timing:
     """How punctual the ticks of one operation were."""
@@ -119,11 +125,13 @@ TOPICS: Mapping[str, type[Any]] = {
     "/sample/references": ReferenceSample,
     "/sample/power": PowerReading,
     "/estimate": Estimate,
+    "/command": Decision,
     "/loop/tick": Tick,
 }
 """Where entries are recorded that are messages of their own type, with the fields of their class."""
 TOPIC_OF = {kind: topic for topic, kind in TOPICS.items()}
-_PLAIN = {float: "float64", float | None: "float64", Status: "string"}
+_JSON = {Command: "string", Mapping[str, float]: "string"}
+_PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
 """ROS types of fields by those of Python; all others are arrays."""
 
 
@@ -151,6 +159,8 @@ def content_of(entry: Any) -> list[Any]:
         value = getattr(entry, name)
         if value is None:
             content.append(math.nan if hint in _PLAIN else ())
+        elif hint in _JSON:
+            content.append(json.dumps(codec.encode(value)))
         else:
             content.append(value if hint in _PLAIN else value.ravel())
     return content
@@ -165,12 +175,15 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
 
     Raises:
         KeyError: If a field is missing.
+        BadKey: If a text in it is not as it may be.
         ValueError: If it is no such entry.
     """
     values: dict[str, Any] = {}
     for name, hint in _fields(TOPICS[topic]).items():
         value = content[name]
-        if hint not in _PLAIN:
+        if hint in _JSON:
+            value = codec.decode(hint, json.loads(value), name)
+        elif hint not in _PLAIN:
             value = np.array(value, dtype=np.float64).reshape((3, 3) if name == "rotation" and len(value) else -1)
         is_nothing = value.size == 0 if isinstance(value, np.ndarray) else value != value
         values[name] = None if is_nothing and type(None) in get_args(hint) else value

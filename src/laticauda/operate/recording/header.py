@@ -16,7 +16,7 @@ from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 HEADER = "operation"
-FORMAT = "3"
+FORMAT = "4"
 """That is read and written."""
 Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 

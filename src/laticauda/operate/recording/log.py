@@ -11,11 +11,8 @@ from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
-from laticauda.operate.recording.entries import TOPICS, Decision, Event, Measurement, Tick, Timing, entry_of
+from laticauda.operate.recording.entries import TOPICS, Decision, Entry, Event, Tick, Timing, entry_of
 from laticauda.operate.recording.header import FORMAT, HEADER, Header, header_from_texts
-from laticauda.operate.recording.recorder import COMMAND
-
-Entry = Measurement | Estimate | Decision | Event | Tick
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +74,7 @@ def read_operation(path: str | Path) -> OperationLog:
     try:
         with codec.keys_of(f"Cannot load {path}", TrialFileError):
             header = header_from_texts(texts)
-            entries = tuple(_entry(logged) for logged in recording.messages(*TOPICS, COMMAND, "/events"))
+            entries = tuple(_entry(logged) for logged in recording.messages(*TOPICS, "/events"))
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
     except (ValueError, TypeError, IndexError) as error:
@@ -98,10 +95,6 @@ def _entry(logged: logs.Logged) -> Entry:
     if logged.topic == "/events":
         msg: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
         return Event(time=logged.time, kind=content["name"], message=msg.get("message", ""), data=msg.get("data") or {})
-    if logged.topic == COMMAND:
-        decided = json.loads(content["data"])
-        decided["command"] = codec.decode(interfaces.Command, decided["command"], "command")
-        return Decision(**decided)
     return entry_of(logged.topic, content)
 
 

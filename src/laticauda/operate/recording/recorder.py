@@ -5,23 +5,24 @@ same in the types that Foxglove draws by itself. docs/how-to/recordings.md lists
 writes what the loop hands over, so that no disk makes it late.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from laticauda import codec, estimation, interfaces, logs
+from laticauda import logs
 from laticauda.errors import not_negative
+from laticauda.estimation import Estimate, JointSample, PoseSample
 from laticauda.kinematics import to_quaternion, turn
-from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.recording import entries
-from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
+from laticauda.operate.recording.entries import Decision, Entry, Event, PowerReading
 from laticauda.operate.recording.header import HEADER, Header
 
 CHUNK = 0.5  # what is lost at most when the program is killed [s]
-COMMAND = "/command"
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning"}
+NOTES = {"idle_current": "idle", "settling": "initial"}
+"""Events whose data are noted, too, and under which name."""
 
 
 class OperationRecorder(logs.Recorder):
@@ -46,70 +47,47 @@ class OperationRecorder(logs.Recorder):
         self._driven = (*self._joints, "fin_joint")[: len(robot.driven_joints)]
         self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
 
-    def sample(self, sample: Measurement, *, received: float | None = None) -> None:
-        """What came in, in the order in which the estimator got it.
+    def record(self, entry: Entry | Frame, *, received: float | None = None) -> None:
+        """What happened, in the order in which the estimator and the controller got it.
+
+        What came before an event is on disk after it; those of kind `start` and `stop` enclose a run. A decision comes
+        after the estimate that it was made on.
 
         Args:
-            sample: A sample or a reading.
-            received: When it came; None: when it was taken [s].
+            entry: A sample, a reading, an estimate, a decision, a tick, an event, or a raw frame of the bus.
+            received: When a sample came; None: when it was taken [s].
         """
-        time = sample.time if received is None else not_negative("received", received, "s")
-        self._entry(time, sample)
-        if isinstance(sample, estimation.JointSample):
-            names = next(n for n in (self._driven, self._joints, self._yaw) if sample.angle.size == len(n))
-            rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
-            self.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
-        elif isinstance(sample, estimation.PoseSample) and not sample.is_lost:
-            turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else to_quaternion(sample.rotation)
-            self.pose("/mocap/body", time, sample.position.tolist(), turned)
-        elif isinstance(sample, PowerReading):
-            self.scalar("/power/current", time, sample.current, unit="A")
+        if isinstance(entry, Event):
+            content = {"message": entry.message, "data": dict(entry.data)}
+            self.event(entry.time, entry.kind, content, level=LEVELS.get(entry.kind, "info"))
+        elif isinstance(entry, Frame):
+            self.can_frame(SENT if entry.is_ours else RECEIVED, entry.time, entry.identifier, entry.data)
+        else:
+            time, kind = entry.time if received is None else not_negative("received", received, "s"), type(entry)
+            self.message(entries.TOPIC_OF[kind], time, entries.kind_of(kind), entries.content_of(entry), unit="SI")
+            self._draw(time, entry)
 
-    def estimate(self, estimate: estimation.Estimate) -> None:
-        """An `estimate` of where the robot was."""
-        time = estimate.time
-        self._entry(time, estimate)
-        x, y, z = (*estimate.center_of_mass.tolist(), 0.0)[:3]
-        turned = to_quaternion(turn("yaw", estimate.heading) @ turn("pitch", estimate.pitch))
-        self.pose("/estimate/body", time, (x, y, z), turned)
-        self.scalar("/estimate/heading", time, estimate.heading, unit="rad")
-
-    def _entry(self, time: float, entry: Measurement | estimation.Estimate | Tick) -> None:
-        kind = type(entry)
-        self.message(entries.TOPIC_OF[kind], time, entries.kind_of(kind), entries.content_of(entry), unit="SI")
-
-    def command(self, time: float, command: interfaces.Command, signals: Mapping[str, float] | None = None) -> None:
-        """What a controller decided.
-
-        Args:
-            time: Of the estimate that it decided on; that estimate is recorded before [s].
-            command: Its decision.
-            signals: Its signals, by name.
-        """
-        content = {"time": time, "command": codec.encode(command), "signals": dict(signals or {})}
-        self.json(COMMAND, time, content)
-        for name, value in (signals or {}).items():
-            self.scalar(f"/control/{name}", time, value, unit="SI")
-
-    def tick(self, tick: Tick) -> None:
-        """When a `tick` of the loop was due, when it began, and when its last frame was sent."""
-        self._entry(tick.began, tick)
-
-    def can(self, time: float, identifier: int, data: bytes, *, sent: bool = False) -> None:
-        """A raw frame of the bus.
-
-        Args:
-            time: When [s].
-            identifier: 11 bits.
-            data: Up to 8 bytes.
-            sent: Whether it is ours.
-        """
-        self.can_frame(SENT if sent else RECEIVED, time, identifier, data)
-
-    def happened(self, event: Event) -> None:
-        """An `event`; what came before it is on disk after this. Those of kind `start` and `stop` enclose a run."""
-        content = {"message": event.message, "data": dict(event.data)}
-        self.event(event.time, event.kind, content, level=LEVELS.get(event.kind, "info"))
+    def _draw(self, time: float, entry: Entry) -> None:
+        """The same, as far as a viewer can draw it."""
+        match entry:
+            case JointSample():
+                names = next(n for n in (self._driven, self._joints, self._yaw) if entry.angle.size == len(n))
+                rate, torque = (() if value is None else value for value in (entry.rate, entry.torque))
+                self.joint_state("/joint_states", time, names, entry.angle, rate, torque)  # pyright: ignore
+            case PoseSample() if not entry.is_lost:
+                turned = (1.0, 0.0, 0.0, 0.0) if entry.rotation is None else to_quaternion(entry.rotation)
+                self.pose("/mocap/body", time, entry.position.tolist(), turned)
+            case PowerReading():
+                self.scalar("/power/current", time, entry.current, unit="A")
+            case Estimate():
+                turned = to_quaternion(turn("yaw", entry.heading) @ turn("pitch", entry.pitch))
+                self.pose("/estimate/body", time, (*entry.center_of_mass.tolist(), 0.0)[:3], turned)
+                self.scalar("/estimate/heading", time, entry.heading, unit="rad")
+            case Decision():
+                for name, value in entry.signals.items():
+                    self.scalar(f"/control/{name}", time, value, unit="SI")
+            case _:
+                pass
 
     def note(self, name: str, content: Mapping[str, str | float]) -> None:
         """What was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
@@ -139,40 +117,21 @@ class Sink:
     ) -> None:
         self._recorder, self._frames, self._thread = recorder, frames, thread
 
-    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Keep one tick: the state after it, what went out, the frames of the bus, both ways, and when it was.
-
-        After an error, nothing more is written.
-        """
+    def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
+        """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
         if self._thread is None:
-            self._keep(state, outputs, frames, tick)
+            self._write(now, found)
         elif not self.trouble:
-            self._thread.submit(self._keep, state, outputs, frames, tick)
+            self._thread.submit(self._write, now, found)
 
-    def _keep(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
+    def _write(self, now: float, found: Sequence[Entry | Frame]) -> None:
         if self.trouble:
             return
         try:
-            self._write(state, outputs, frames if self._frames else (), tick)
+            for entry in found:
+                if self._frames or not isinstance(entry, Frame):
+                    self._recorder.record(entry, received=now)
+                if isinstance(entry, Event) and entry.kind in NOTES and entry.data:
+                    self._recorder.note(NOTES[entry.kind], entry.data)
         except Exception as error:
             self.trouble = str(error) or type(error).__name__
-
-    def _write(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        recorder, now = self._recorder, state.now
-        assert now is not None  # it was a tick
-        for frame in frames:
-            recorder.can(frame.time, frame.identifier, frame.data, sent=frame.is_ours)
-        for sample in outputs.samples:
-            recorder.sample(sample, received=now)
-        if outputs.estimate is not None:
-            recorder.estimate(outputs.estimate)
-            if outputs.command is not None:
-                recorder.command(outputs.estimate.time, outputs.command, outputs.signals)
-        if tick is not None:
-            recorder.tick(tick)
-        for event in outputs.events:
-            recorder.happened(event)
-            if event.kind == "idle_current" and "current" in event.data:
-                recorder.note("idle", event.data)
-            if event.kind == "settling" and "heading" in event.data:
-                recorder.note("initial", event.data)

@@ -44,8 +44,8 @@ class SupervisorState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
-    """One line of the supervisor's log."""
+class Reaction:
+    """What the supervisor did about an event, or on its way to a stop."""
 
     time: float
     """[s]."""
@@ -88,7 +88,7 @@ class Supervisor:
 
     def step(
         self, state: SupervisorState, now: float, events: Set[str], *, is_straight: bool, is_limp: bool
-    ) -> tuple[SupervisorState, tuple[Entry, ...]]:
+    ) -> tuple[SupervisorState, tuple[Reaction, ...]]:
         """One tick.
 
         Args:
@@ -104,7 +104,7 @@ class Supervisor:
         Raises:
             ValueError: If there is no such event.
         """
-        entries: list[Entry] = []
+        entries: list[Reaction] = []
         wrong = [rule for rule in RULES if rule.event in events]  # the gravest come first
         _check(events)
         for rule in wrong:
@@ -168,8 +168,8 @@ def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
     )
 
 
-def _entry(now: float, event: str, action: str, before: SupervisorState, after: SupervisorState) -> Entry:
-    return Entry(time=now, event=event, action=action, before=before.state, after=after.state)
+def _entry(now: float, event: str, action: str, before: SupervisorState, after: SupervisorState) -> Reaction:
+    return Reaction(time=now, event=event, action=action, before=before.state, after=after.state)
 
 
 def _check(events: Set[str]) -> None:
