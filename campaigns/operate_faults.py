@@ -46,8 +46,7 @@ from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, Sink
+from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
 from laticauda.operate.safety.transitions import BY_EVENT
 from laticauda.operate.session import header_of
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation

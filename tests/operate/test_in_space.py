@@ -16,8 +16,7 @@ from laticauda.kinematics import from_quaternion, module_poses, turn
 from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, Sink
+from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.session import header_of
 from laticauda.operate.settings import Calibration, CaptureVolume, Operation

@@ -24,8 +24,7 @@ from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock, DeviceFailed
 from laticauda.operate.loop import TankDevices, TankTime, run_loop
-from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder, Sink
+from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
 from laticauda.operate.session import header_of, operate, result_of, table
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
 from laticauda.operate.terminal import Keys

@@ -14,7 +14,7 @@ from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import refusing
 from laticauda.cockpit.scene import Scene
 from laticauda.errors import TrialFileError
-from laticauda.operate.recording.header import HEADER
+from laticauda.operate.recording.entries import HEADER
 from laticauda.trial import Format, Trial
 
 READ = tuple(ending for ending in Format.endings() if ending != ".csv")

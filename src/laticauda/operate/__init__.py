@@ -14,9 +14,9 @@ if TYPE_CHECKING:
         Event as Event,
         PowerReading as PowerReading,
     )
-    from laticauda.operate.recording.header import Header as Header
+    from laticauda.operate.recording.entries import Header as Header
     from laticauda.operate.recording.log import OperationLog as OperationLog, read_operation as read_operation
-    from laticauda.operate.recording.recorder import OperationRecorder as OperationRecorder
+    from laticauda.operate.recording.log import OperationRecorder as OperationRecorder
     from laticauda.operate.recording.log import (
         Rerun as Rerun,
         rerun_controller as rerun_controller,

@@ -15,7 +15,7 @@ from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.recording import entries, recorder
+from laticauda.operate.recording import entries, log
 from laticauda.operate.settings import Connection
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
@@ -103,7 +103,7 @@ def run_loop(
     devices: Devices,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
-    sink: recorder.Sink | None = None,
+    sink: log.Sink | None = None,
     show: Show | None = None,
     longest: float = math.inf,
 ) -> tuple[OperatorState, entries.Timing | None]:

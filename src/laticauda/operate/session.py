@@ -15,9 +15,8 @@ from laticauda.operate import drivers, loop, settings, terminal
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
 from laticauda.operate.recording import log, to_trial
-from laticauda.operate.recording.entries import Timing
-from laticauda.operate.recording.header import Header
-from laticauda.operate.recording.recorder import OperationRecorder, Sink
+from laticauda.operate.recording.entries import Header, Timing
+from laticauda.operate.recording.log import OperationRecorder, Sink
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of
 from laticauda.trial import Trial, following
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.protocol.bus import BusAddress as BusAddress, BusFailed as BusFailed, bus_address as bus_address
-    from laticauda.protocol.bus import open_bus as open_bus
+    from laticauda.protocol.can import BusAddress as BusAddress, BusFailed as BusFailed, bus_address as bus_address
+    from laticauda.protocol.can import open_bus as open_bus
     from laticauda.protocol.can import decode as decode, encode as encode, from_frame as from_frame
     from laticauda.protocol.can import from_node as from_node, to_frame as to_frame
     from laticauda.protocol.messages import EVERY_NODE as EVERY_NODE, FAULTS as FAULTS, N_NODES as N_NODES

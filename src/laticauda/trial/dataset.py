@@ -13,8 +13,7 @@ import numpy as np
 
 from laticauda import codec, scenarios
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
-from laticauda.trial.arrays import AnyArray
-from laticauda.trial.contents import Contents
+from laticauda.trial.contents import AnyArray, Contents
 
 if TYPE_CHECKING:
     import xarray

@@ -13,8 +13,7 @@ from laticauda.estimation import Estimate, Estimator, KinematicEstimator
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import load_trial
 from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
-from laticauda.operate.recording.entries import content_of
-from laticauda.operate.recording.header import header_from_texts
+from laticauda.operate.recording.entries import content_of, header_from_texts
 from laticauda.scenarios import Experiment
 
 

@@ -1,21 +1,27 @@
-"""What a recording holds: the entries of an operation, and all but its events as messages, bit for bit."""
+"""What a recording holds: entries, all but events as messages, bit for bit, and what it says of the whole operation.
+
+Only classes that come with the package, or that this process knows, are ever built from a file.
+"""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cache
-from typing import Any, NamedTuple, TypeAlias, cast, get_args, get_type_hints
+from dataclasses import dataclass, field, is_dataclass, replace
+from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import codec
+from laticauda import codec, estimation, interfaces, packaging, robot
+from laticauda.dynamics.plant import Plant
+from laticauda.errors import BadArgument, instance
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
+from laticauda.fluid.laws import FunctionDrag
 from laticauda.interfaces import Command
 from laticauda.logs import ros2
-from laticauda.quantities import quantity, value
+from laticauda.quantities import hints_of, option, quantity, value
+from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 
 @value
@@ -64,7 +70,8 @@ Times = Float[np.ndarray, " n_ticks"]
 SPREAD = ("median", "p99", "largest")
 
 
-class Tick(NamedTuple):
+@dataclass(frozen=True)
+class Tick:
     """One tick of the loop."""
 
     due: float
@@ -135,18 +142,13 @@ _PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
 """ROS types of fields by those of Python; all others are arrays."""
 
 
-@cache
-def _fields(kind: type[Any]) -> Mapping[str, Any]:
-    return get_type_hints(kind)
-
-
 def kind_of(kind: type[Any]) -> str:
     """The ROS type of the entries of a class."""
     return f"laticauda_msgs/{kind.__name__}"
 
 
 def _definition(kind: type[Any]) -> str:
-    return "".join(f"{_PLAIN.get(hint, 'float64[]')} {name}\n" for name, hint in _fields(kind).items())
+    return "".join(f"{_PLAIN.get(hint, 'float64[]')} {name}\n" for name, hint in hints_of(kind).items())
 
 
 ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
@@ -155,7 +157,7 @@ ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
 def content_of(entry: Any) -> list[Any]:
     """What a message of an entry holds, bit for bit: a number that is None is nan, and an array is empty."""
     content, kind = list[Any](), cast("type[Any]", type(entry))
-    for name, hint in _fields(kind).items():
+    for name, hint in hints_of(kind).items():
         value = getattr(entry, name)
         if value is None:
             content.append(math.nan if hint in _PLAIN else ())
@@ -179,7 +181,7 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
         ValueError: If it is no such entry.
     """
     values: dict[str, Any] = {}
-    for name, hint in _fields(TOPICS[topic]).items():
+    for name, hint in hints_of(TOPICS[topic]).items():
         value = content[name]
         if hint in _JSON:
             value = codec.decode(hint, json.loads(value), name)
@@ -188,3 +190,72 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
         is_nothing = value.size == 0 if isinstance(value, np.ndarray) else value != value
         values[name] = None if is_nothing and type(None) in get_args(hint) else value
     return TOPICS[topic](**values)
+
+
+# ---- the whole operation ---------------------------------------------------------------------------------------------
+
+
+HEADER = "operation"
+FORMAT = "4"
+"""That is read and written."""
+Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
+
+
+@value
+class Header:
+    """What a recording says about the whole operation."""
+
+    run: Experiment = option("what swims, in what, by which gait, if known; density and current count for figures")
+    controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
+    estimator: Estimators | None = option("where the robot is, for a replay; its plant is kept as `twin`", default=None)
+    twin: Experiment | None = option("how the estimator's digital twin was made; None without one", default=None)
+    supply_voltage: float | None = quantity("V", "V of (4); None without a power meter", gt=0.0, default=None)
+    operation: str = option("the trial file as it was read", default="")
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be written, and keep of a plant how it was made."""
+        instance("controller", self.controller, interfaces.Controller, type(None))
+        if not (self.controller is None or is_dataclass(self.controller)):
+            raise BadArgument("controller", f"must be a value, got {type(self.controller).__name__}")
+        if isinstance(self.estimator, estimation.Estimator) and self.estimator.plant is not None:
+            object.__setattr__(self, "twin", _record_of(self.estimator.plant))
+            object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
+
+    def texts(self) -> dict[str, str]:
+        """The header as texts by name: runs as TOML, all else but texts as JSON."""
+        own = {name: _text(getattr(self, name), hint) for name, hint in hints_of(Header).items()}
+        return {"format": FORMAT, "version": packaging.__version__, **own}
+
+
+def header_from_texts(texts: Mapping[str, str]) -> Header:
+    """The header that `Header.texts` made texts of; it equals that one.
+
+    Args:
+        texts: Of `FORMAT`.
+
+    Raises:
+        KeyError: If one is missing.
+        BadKey: If one is not as it may be.
+        ValueError: Likewise.
+    """
+    return Header(**{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()})
+
+
+def _text(value: Any, hint: Any) -> str:
+    if isinstance(value, Experiment):
+        return run_to_toml(value)
+    return value if isinstance(value, str) else json.dumps(codec.encode(value, hint))
+
+
+def _value(name: str, text: str, hint: Any) -> Any:
+    if hint is str:
+        return text
+    is_run = Experiment in (hint, *get_args(hint)) and text != "null"
+    return run_from_toml(text) if is_run else codec.decode(hint, json.loads(text), name)
+
+
+def _record_of(plant: Plant[Any]) -> Experiment:
+    """How a plant was made, as a recording keeps it."""
+    if isinstance(robot.law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
+        raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
+    return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)
