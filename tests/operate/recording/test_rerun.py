@@ -174,7 +174,7 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
 
 
 def test_a_recording_of_the_first_format_is_refused_with_what_to_do():
-    with pytest.raises(ValueError, match=r"it has format 1, and this version of laticauda reads 3: read it with the"):
+    with pytest.raises(ValueError, match=r"it has format 1, and this version of laticauda reads 4: read it with the"):
         read_operation(ROOT / "tests" / "data" / "recordings-0.1.0" / "twin.mcap")
 
 
