@@ -179,9 +179,8 @@ def test_a_missing_key_and_the_file_are_named():
         decode(Machine, {})
 
 
-def test_what_differs_is_put_over_a_table_and_another_law_takes_the_place_of_the_whole_one():
+def test_what_differs_is_put_over_a_table():
     common = {"a": 1, "law": {"kind": "x", "k": 1}, "list": [1]}
     assert merged(common, {"law": {"k": 2}, "list": [2]}) == {"a": 1, "law": {"kind": "x", "k": 2}, "list": [2]}
     assert merged(common, {"law": {"kind": "y"}})["law"] == {"kind": "y", "k": 1}
-    assert merged(common, {"law": {"kind": "y"}}, by_kind=True)["law"] == {"kind": "y"}
     assert common["law"] == {"kind": "x", "k": 1}

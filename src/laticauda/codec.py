@@ -179,20 +179,12 @@ def arguments_of(at: str) -> Generator[None]:
         raise BadKey(join(at, error.name), error.rule) from error
 
 
-def merged(common: Table, own: Table, *, by_kind: bool = False) -> Table:
-    """A table with what differs put over it, table by table.
-
-    Args:
-        common: The table.
-        own: What differs.
-        by_kind: Whether a table inside that says another `kind` takes the place of the whole one, as laws do.
-    """
+def merged(common: Table, own: Table) -> Table:
+    """A table with what differs put over it, table by table."""
     found = dict(common)
     for key, value in own.items():
-        mine, its = cast("Table", value), cast("Table", found.get(key))
-        both = all(isinstance(one, dict) for one in (value, found.get(key)))
-        is_other = both and by_kind and mine.get("kind", its.get("kind")) != its.get("kind")
-        found[key] = merged(its, mine, by_kind=by_kind) if both and not is_other else value
+        both = isinstance(value, dict) and isinstance(found.get(key), dict)
+        found[key] = merged(found[key], cast("Table", value)) if both else value
     return found
 
 

@@ -17,7 +17,7 @@ from laticauda.errors import BadArgument, TrialFileError
 from laticauda.logs import column_maps, tables, tabular
 from laticauda.logs.placing import Measured, joints_of, place_of
 from laticauda.trial import dataset, metrics
-from laticauda.trial.contents import Samples, times
+from laticauda.trial.arrays import Samples, times
 
 
 def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | None = None) -> trial.Trial:

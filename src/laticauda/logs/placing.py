@@ -14,7 +14,7 @@ from laticauda import kinematics, robot
 from laticauda.errors import BadArgument
 from laticauda.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
 from laticauda.logs.tables import Table
-from laticauda.trial.contents import Samples
+from laticauda.trial.arrays import Samples
 
 Points = Float[np.ndarray, "n_samples 2"]
 Angles = Float[np.ndarray, "n_samples n_columns"]

@@ -18,7 +18,7 @@ import numpy as np
 
 from laticauda.errors import TrialFileError, nearest
 from laticauda.extras import optional_import
-from laticauda.trial.contents import Samples
+from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
 """Cells that stand for a missing number, in small letters."""

@@ -24,7 +24,7 @@ from jaxtyping import Float
 from laticauda import files, trial
 from laticauda.errors import TrialFileError
 from laticauda.extras import optional_import
-from laticauda.trial.contents import Samples
+from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import AXES, MARK, assembled, variable
 
 if TYPE_CHECKING:

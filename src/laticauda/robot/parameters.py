@@ -247,8 +247,7 @@ def _parameters(table: codec.Table) -> Parameters:
     for key in ("name", "title", "water"):
         if key not in table:
             raise codec.BadKey(key, "is missing; every parameter file needs it")
-    joints, common = table.get("joints"), _water_table(table["water"], "water")
-    every_gait = codec.decode(Water, common, "water")
+    joints, every_gait = table.get("joints"), codec.decode(Water, _water_table(table["water"], "water"), "water")
     own: dict[str, Water] = {}
     own_changes: dict[str, Adjustments] = {}
     for gait in (gait for gait in GAITS if gait in table):
@@ -256,8 +255,7 @@ def _parameters(table: codec.Table) -> Parameters:
         codec.check_keys(entries, ("water", *NAMES), gait)
         if "water" in entries:
             where = f"{gait}.water"
-            changes = _water_table(entries["water"], where)
-            own[gait] = codec.decode(Water, codec.merged(common, changes, by_kind=True), where)
+            own[gait] = codec.updated(every_gait, _water_table(entries["water"], where), where)
         own_changes[gait] = read_adjustments({key: entries[key] for key in NAMES if key in entries}, gait)
     with codec.arguments_of(""):
         return Parameters(

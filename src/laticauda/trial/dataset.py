@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda import codec, scenarios
-from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
-from laticauda.trial.contents import AnyArray, Contents
+from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series, log_of
+from laticauda.trial.arrays import AnyArray
+from laticauda.trial.contents import Contents
 
 if TYPE_CHECKING:
     import xarray
@@ -119,11 +120,16 @@ def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) ->
     """
     import xarray
 
+    variables = {name: (variable(name).dimensions, read(name)) for name in _names(attributes)}
+    return xarray.Dataset(variables, attrs=dict(attributes))
+
+
+def _names(attributes: Mapping[str, Any]) -> list[str]:
+    """Of the time series of a trial, by what was stored of it."""
     check_format(attributes)
     names = [*PLAIN, *WORK, *([ELECTRICAL] if attributes["has_electrical_work"] else [])]
     names += [LINK_FORCE + name for name in json.loads(attributes["link_force"]) or ()]
-    names += [SIGNAL + name for name in json.loads(attributes["signals"])]
-    return xarray.Dataset({name: (variable(name).dimensions, read(name)) for name in names}, attrs=dict(attributes))
+    return names + [SIGNAL + name for name in json.loads(attributes["signals"])]
 
 
 def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
@@ -137,22 +143,17 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         ValueError: If anything is not as it was written.
     """
     attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
-    check_format(attributes)
-
-    def read(name: str) -> AnyArray:
+    arrays: dict[str, AnyArray] = {}
+    for name in _names(attributes):
         if name not in dataset.variables:
             raise KeyError(name)
-        return dataset.variables[name].values
-
-    forces: list[str] | None = json.loads(attributes["link_force"])
+        arrays[name] = dataset.variables[name].values
+    log = log_of({**arrays, "work": np.stack([arrays[name] for name in WORK], axis=1)})
     with codec.keys_of("scenario", ValueError):
         scenario = scenarios.run_from_toml(attributes["scenario"])
     return {
-        **{name: read(name) for name in PLAIN},
-        "work": np.stack([read(name) for name in WORK], axis=1),
-        "electrical_work": read(ELECTRICAL) if attributes["has_electrical_work"] else None,
-        "link_force": None if forces is None else {name: read(LINK_FORCE + name) for name in forces},
-        "signals": {name: read(SIGNAL + name) for name in json.loads(attributes["signals"])},
+        **vars(log),
+        "link_force": None if attributes["link_force"] == "null" else log.link_force or {},
         "scenario": scenario,
         **{name: str(attributes[name]) for name in TEXTS},
         "succeeded": bool(attributes["succeeded"]),

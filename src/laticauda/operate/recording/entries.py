@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, is_dataclass, replace
 from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
-from jaxtyping import Float
+from numpy.typing import NDArray
 
 from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
@@ -66,7 +66,7 @@ Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReadi
 """What came in from the devices, and the references that were sent."""
 
 
-Times = Float[np.ndarray, " n_ticks"]
+Times: TypeAlias = NDArray[np.float64]  # one per tick
 SPREAD = ("median", "p99", "largest")
 
 

@@ -1,0 +1,113 @@
+"""Arrays and texts of a trial: each check returns the value as it is kept, or raises a ValueError naming the field."""
+
+from collections.abc import Mapping
+from typing import TypeAlias, cast
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from laticauda.errors import BadArgument
+
+# The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
+Samples: TypeAlias = Float[np.ndarray, " n_samples"]
+FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
+Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
+Axes: TypeAlias = Float[np.ndarray, " n_axes"]
+Setting: TypeAlias = str | float | bool | None
+AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
+
+
+def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
+    """`values` as a read-only float64 array of that shape; None stands for any length."""
+    try:
+        given = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        given = np.empty((), dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
+    array = np.asarray(given, dtype=np.float64, order="C")
+    wanted = tuple("any" if n is None else str(n) for n in shape)
+    if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
+        raise BadArgument(name, f"must have shape ({', '.join(wanted)}), got {array.shape}")
+    if not np.all(np.isfinite(array)):
+        row = int(np.argwhere(~np.isfinite(array))[0][0])
+        raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
+    return _read_only(array, values)
+
+
+def times(name: str, values: object) -> Samples:
+    """`values` as read-only moments, at least one, strictly increasing."""
+    time = floats(name, values, (None,))
+    if time.size < 1:
+        raise BadArgument(name, "must have at least 1 sample, got 0")
+    increases = np.diff(time) > 0.0
+    if not np.all(increases):
+        i = int(np.argmin(increases))
+        raise BadArgument(name, f"must increase strictly, got {time[i]} s and then {time[i + 1]} s")
+    return time
+
+
+def forces(value: object, shape: tuple[int, ...]) -> dict[str, Forces] | None:
+    """The force of each component as a read-only array of that shape."""
+    if value is None:
+        return None
+    return {key: floats(f"link_force[{key!r}]", force, shape) for key, force in mapping("link_force", value).items()}
+
+
+def signals(value: object, n_samples: int) -> dict[str, Samples]:
+    """Each signal as a read-only array, one value per sample."""
+    return {key: floats(f"signals[{key!r}]", signal, (n_samples,)) for key, signal in mapping("signals", value).items()}
+
+
+def mapping(name: str, value: object) -> Mapping[str, object]:
+    """`value` as a mapping from names that can be those of variables in a file."""
+    if not isinstance(value, Mapping):
+        raise BadArgument(name, f"must map names to values, got {type(value).__name__}")
+    items = cast("Mapping[object, object]", value)
+    return {_key(name, key): item for key, item in items.items()}
+
+
+def state_array(name: str, value: object) -> AnyArray:
+    """`value` as a read-only array of its own kind of number, in the machine's byte order."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
+        raise ValueError(f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}.")
+    return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
+
+
+def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
+    """`value` as some of the names in `choices`, in their order."""
+    given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
+    for one in given:
+        if one not in choices:
+            raise BadArgument(name, f"must hold only {', '.join(choices)}, got {one!r}")
+    return tuple(choice for choice in choices if choice in given)
+
+
+def same(one: object, other: object) -> bool:
+    """Whether two contents are the same, arrays bit for bit."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        a, b = cast("AnyArray", one), cast("AnyArray", other)
+        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if isinstance(one, dict) and isinstance(other, dict):
+        a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
+        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
+    plain = cast("object", one)
+    # Texts of values tell 1 from True and 0 from -0.
+    return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
+
+
+def _key(field: str, name: object) -> str:
+    if not isinstance(name, str) or not name.isidentifier():
+        raise BadArgument(field, f"must have names of letters, digits and underscores as keys, got {name!r}")
+    return name
+
+
+def _read_only(array: AnyArray, value: object) -> AnyArray:
+    # Its maker must neither change it later nor find it locked. So what is not fresh is copied, unless it is locked.
+    is_fresh = array is not value and array.flags.owndata
+    is_locked = not array.flags.writeable and array.flags.owndata
+    if not (is_fresh or is_locked):
+        array = array.copy()
+    array.flags.writeable = False
+    return array
