@@ -124,7 +124,7 @@ def test_it_is_drawn_by_a_thread_that_ends():
     run = run_of(Operator(operation=WHAT))
     with Dashboard(WHAT) as dashboard:
         dashboard(run.state, run.outputs)
-    assert not dashboard._thread.is_alive()
+    assert not dashboard._live.is_started
 
 
 def test_without_a_terminal_there_is_a_line_per_event(capsys):

@@ -195,7 +195,8 @@ class Listener(worker.Worker[None]):
 
     def look(self) -> Sight:
         """What is known now."""
-        return self._sight
+        trouble = f"{self.trouble} It is tried again and again." if self.trouble else self._sight.trouble
+        return self._sight._replace(trouble=trouble)
 
     def close(self) -> None:
         """Listen no more; a connection that is being made ends a little later."""
@@ -207,12 +208,9 @@ class Listener(worker.Worker[None]):
 
     def work(self) -> None:
         """One connection, from its begin to its end."""
-        try:
-            with loop.connected(self._connection, self._clock) as devices:
-                self._listen(devices, self._clock)
-        except Exception as error:  # whatever it is, the page goes on
-            self._sight = self._sight._replace(trouble=f"{error} It is tried again and again.")
-            raise
+        with loop.connected(self._connection, self._clock) as devices:
+            self._trouble = ""
+            self._listen(devices, self._clock)
 
     def _listen(self, devices: loop.Wired, clock: worker.Clock) -> None:
         observer, state = self._observer, self._observer.init(clock.now())
@@ -220,6 +218,6 @@ class Listener(worker.Worker[None]):
             now = clock.now()
             inputs, _ = devices.receive(now)
             state = observer.step(state, now, inputs.messages, inputs.frames)
-            trouble = (devices.can.bus_off or devices.mocap.trouble).removeprefix("DeviceFailed: ").rstrip(".")
+            trouble = (devices.can.bus_off or devices.mocap.trouble).rstrip(".")
             sentence = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else observer.complaint(state, now)
             self._sight = Sight(observer.estimate(state, now), sentence, observer.fin_angle(state))

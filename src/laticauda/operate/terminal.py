@@ -141,19 +141,19 @@ def line_of(event: Event) -> str:
     return f"{event.time:8.2f} s  {event.kind.replace('_', ' '):<13} {event.message}"
 
 
-class Dashboard(Worker[None]):
-    """Modules, pose, state and events, drawn again and again by a thread of its own.
+class Dashboard:
+    """Modules, pose, state and events, drawn again and again by a thread of rich's, as long as a `with` block lasts.
 
     Args:
         operation: What is operated.
     """
 
     def __init__(self, operation: Operation) -> None:
-        super().__init__("dashboard")
         self._operation = operation
         self._state: OperatorState | None = None
         self._events: tuple[Event, ...] = ()
-        self._live: Any = _rich("live").Live(screen=False, auto_refresh=False)
+        often = {"refresh_per_second": 1.0 / REFRESH, "screen": False}
+        self._live: Any = _rich("live").Live(get_renderable=self._drawn, **often)
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """Take one tick; drawing it is the thread's business."""
@@ -162,24 +162,16 @@ class Dashboard(Worker[None]):
         if events:
             self._events = (*self._events, *events)[-LAST_EVENTS:]
 
-    def work(self) -> None:
-        """Draw what is now, after a moment."""
-        self._ended.wait(REFRESH)
-        self._draw()
-
-    def _draw(self) -> None:
-        if self._state is not None:
-            self._live.update(picture(self._operation, self._state, self._events), refresh=True)
+    def _drawn(self) -> Any:
+        return "" if self._state is None else picture(self._operation, self._state, self._events)
 
     def __enter__(self) -> Self:
         """Begin to draw."""
         self._live.start()
-        self._start()
         return self
 
-    def release(self) -> None:
+    def __exit__(self, *_: object) -> None:
         """Draw the end, and give the terminal back."""
-        self._draw()
         self._live.stop()
 
 

@@ -87,7 +87,8 @@ class Worker(Generic[T]):
                 self.work()
                 self._trouble = ""
             except Exception as error:
-                self._trouble = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+                ours = isinstance(error, LaticaudaError)
+                self._trouble = str(error) if ours else f"{type(error).__name__}: {error}".removesuffix(": ")
                 self._ended.wait(RETRY)
 
     def __enter__(self) -> Self:
