@@ -9,7 +9,7 @@ from numba import njit
 
 import laticauda as lc
 from laticauda.actuation import JointLaw
-from laticauda.compiling import compiled, in_lanes, lane_types, lanes
+from laticauda.compiling import compiled, in_lanes, inner, lane_types, lanes
 from laticauda.interfaces import Command, Start
 from laticauda.planar import functions, rows  # noqa: F401 - functions teaches lanes their sines
 from laticauda.planar.model import PlanarPlant, specialize
@@ -26,7 +26,7 @@ rng = np.random.default_rng(3)
 def by_lanes(function, x, n_out):
     """Values and slopes of what `function` gives for eight numbers."""
 
-    @njit(**lanes.OPTIONS)
+    @njit(**inner.OPTIONS)
     def run(flat, out):
         S, R = rows_of(flat), rows_of(out)
         found = function(S[0])
@@ -44,7 +44,7 @@ def by_lanes(function, x, n_out):
 def test_arithmetic_carries_derivatives_through():
     where, magnitude = lanes.where, lanes.magnitude
 
-    @njit(**lanes.OPTIONS)
+    @njit(**inner.OPTIONS)
     def mixed(x):
         total = 0.0
         for i in range(2):
@@ -78,7 +78,7 @@ def test_arithmetic_carries_derivatives_through():
 
 
 def test_roots_of_zero_have_no_slope():
-    @njit(**lanes.OPTIONS)
+    @njit(**inner.OPTIONS)
     def roots(x):
         return (x * x) ** 0.5 * x, np.sqrt(x * x) * x
 
@@ -95,7 +95,7 @@ def test_a_law_that_branches_is_differentiated_lane_by_lane():
 
     call = in_lanes(compiled(law))
 
-    @njit(**lanes.OPTIONS)
+    @njit(**inner.OPTIONS)
     def both(x):
         return call(x, x * x)
 

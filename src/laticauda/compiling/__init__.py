@@ -22,8 +22,8 @@ from numba.extending import overload
 
 from laticauda import scalars
 from laticauda.compiling import lanes, ready
+from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.compiling.lanes import INLINED, OPTIONS
 from laticauda.errors import BadArgument
 from laticauda.files import locked
 
@@ -187,10 +187,8 @@ def in_turn(compiled: Any) -> Any:
     return compiled
 
 
-# Without the wrappers for calls from Python and from C, which nobody makes, a fifth of the compiling is saved.
-_INNER: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **INLINED}
 PROCESSOR = Target(
-    kernel=njit(**_INNER),
+    kernel=inlined,
     entry=_kept,
     in_lanes=_all_or_each,
     where=cast(Any, lanes).where,

@@ -31,12 +31,6 @@ from numba.extending import (
 from laticauda.compiling import duals
 from laticauda.compiling.lane_types import Duals, Lanes, Mask, joined, parted, vector
 
-# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
-OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
-# Inlining lets the compiler see whole loops.
-INLINED: Any = {"forceinline": True, **OPTIONS}
-
-
 # ---- arithmetic ------------------------------------------------------------------------------------------------------
 
 

@@ -17,7 +17,7 @@ from numba import (
 from laticauda.compiling import compiled
 from laticauda.compiling.flows import PLACE, summed
 from laticauda.compiling.formulas import in_numbers, rows_from
-from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.inner import OPTIONS
 from laticauda.compiling.templates import bindings, named_after
 from laticauda.fluid.flow import Motion, felt
 from laticauda.fluid.laws import MOTION, Element

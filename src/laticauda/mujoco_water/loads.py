@@ -19,7 +19,7 @@ from numba import cfunc, types
 from numba.extending import intrinsic
 
 from laticauda.compiling import kernel
-from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.inner import OPTIONS
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.mujoco_water.element_loads import element_load
 from laticauda.mujoco_water.native import (

@@ -22,7 +22,7 @@ import numpy as np
 from numba import cfunc, types
 
 from laticauda.compiling import kernel
-from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.inner import OPTIONS
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water.loads import REGISTRY_SIZE, SCRATCH, collect, registry, registry_address, table_of

@@ -9,11 +9,11 @@ Floats, complex steps and lanes go through the same source.
 import math
 
 import numpy as np
-from numba import njit
 from numba.extending import overload
 
+from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.compiling.lanes import INLINED, bit, power_of_two, where
+from laticauda.compiling.lanes import bit, power_of_two, where
 
 # Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
 SHIFT = 6755399441055744.0
@@ -38,7 +38,7 @@ COSINE = (
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 
-@njit(**INLINED)
+@inlined
 def polynomial(x, coefficients):
     """Its value by Horner's rule."""
     p = coefficients[0]
@@ -47,7 +47,7 @@ def polynomial(x, coefficients):
     return p
 
 
-@njit(**INLINED)
+@inlined
 def sincos(x):
     """sin and cos to 2e-16 for |x| < 1e5.
 
@@ -66,7 +66,7 @@ def sincos(x):
     return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
 
 
-@njit(**INLINED)
+@inlined
 def expm1(x):
     """exp(x) - 1 for -700 < x < 700 (outside it stays as it is there), to 3e-16 of exp(x), or of x if that is small.
 
@@ -81,7 +81,7 @@ def expm1(x):
     return scale * (polynomial(r, EXPONENTIAL) * r) + (scale - 1.0)
 
 
-@njit(**INLINED)
+@inlined
 def tanh(x):
     """tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
     negative = x.real < 0.0

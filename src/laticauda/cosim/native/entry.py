@@ -15,7 +15,7 @@ import math
 from typing import Any
 
 import llvmlite.binding as llvm
-from numba import cfunc, njit, types
+from numba import cfunc, types
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
@@ -23,8 +23,8 @@ from numba.np.arrayobj import populate_array
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import PROCESSOR, Target, compiling_for
 from laticauda.compiling.formulas import in_numbers, reason_of
+from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Rows
-from laticauda.compiling.lanes import INLINED
 from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.formulas import Formula
 from laticauda.planar.model import specialize
@@ -45,7 +45,8 @@ NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
-_OWN: Any = {**INLINED, "_nrt": False}
+_OWN: Any = {"_nrt": False}
+_inner = functools.partial(inlined, **_OWN)
 # What is left to the C library.
 _ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
 _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt", "cbrt", "sinh", "cosh", "tanh"}
@@ -132,13 +133,13 @@ def _log_at(typingctx, numbers):
 def _target() -> Target:
     """This kind of processor; chains are addresses, for arrays would bring Numba's memory management along."""
 
-    @njit(**_OWN)
+    @_inner
     def free_joints(law):
         return _beyond(law, law[-1])  # truth values behind the laws; their number is in front of them
 
     return Target(
-        kernel=njit(**_OWN),
-        entry=njit(**_OWN),
+        kernel=_inner,
+        entry=_inner,
         in_lanes=PROCESSOR.in_lanes,
         where=PROCESSOR.where,
         magnitude=PROCESSOR.magnitude,
@@ -150,7 +151,7 @@ def _target() -> Target:
 # ---- the function ----------------------------------------------------------------------------------------------------
 
 
-@njit(**_OWN)
+@_inner
 def _assign(whole, real, piece, v, rows):
     """Set rows that are multiples of variables."""
     pairs, factors = whole[piece], whole[piece + 1]
@@ -158,7 +159,7 @@ def _assign(whole, real, piece, v, rows):
         rows[whole[pairs + 2 * k + 1]] = real[factors + k] * v[whole[pairs + 2 * k]]
 
 
-@njit(**_OWN)
+@_inner
 def _begin(whole, real, v, rows):
     """Fill all rows: the template, what depends on the coefficients of the water, and the start."""
     for q in range(whole[N_ROWS]):
@@ -175,7 +176,7 @@ def _begin(whole, real, v, rows):
     rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
 
 
-@njit(**_OWN)
+@_inner
 def _look(whole, real, rows, v):
     """Set the variables that are sums of rows."""
     pairs, factors = whole[SEEN], whole[SEEN + 1]
@@ -193,7 +194,7 @@ def _move(run: Any) -> Any:
     """
     reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
 
-    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **_OWN)
+    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **INLINED, **_OWN)
     def move(whole, real, v, rows, interval):
         """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
         steps, dt = 0, v[whole[DT]]
