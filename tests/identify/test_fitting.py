@@ -7,6 +7,7 @@ from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, s
 import laticauda as lc
 from laticauda.errors import SimulationFailed
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
+from laticauda.identify.fitting import minimize
 
 NOISY = speeds(noise=0.002)
 
@@ -22,6 +23,20 @@ def test_without_noise_the_truth_comes_back_exactly():
     assert found[DRAG].value == pytest.approx(1.4, rel=1e-6)
     assert found.chi2 < 1e-9
     assert "2 of 2 starts agree" in found.status
+
+
+def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_leads_elsewhere_goes_on(noisy):
+    (end,) = noisy.searches
+    start, seen = end.end + 0.5, []
+    alone = minimize(noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x))
+    n_alone = len(seen)
+    found = minimize(noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x), known=[end])
+    assert found.end is end.end and found.jacobian is end.jacobian and found.start is start
+    assert len(seen) - n_alone < n_alone
+    np.testing.assert_allclose(found.end, alone.end, atol=1e-5)
+    for other in (replace(end, end=end.end + 0.1), replace(end, cost=end.cost + 1.0)):
+        again = minimize(noisy.problem, start, loss="linear", known=[other])
+        np.testing.assert_array_equal(again.end, alone.end)
 
 
 def test_an_interval_holds_the_truth_and_its_own_value(noisy):

@@ -23,7 +23,7 @@ def by_differences(put, values):
 
 
 def check_jacobian(put, values, scale=1e-6):
-    found = predict(put, values, jacobian=True)
+    found = predict(put, values)
     expected = by_differences(put, values)
     np.testing.assert_array_equal(found.values, predict(put, values).values)
     np.testing.assert_allclose(found.jacobian, expected, atol=scale * np.abs(expected).max(axis=0).max())
@@ -76,9 +76,9 @@ def test_trials_of_different_length_go_together():
     short, long = speeds(2, duration=4.0), speeds(2, duration=8.0)
     together = [*short, *(replace(m, name=f"long {m.name}") for m in long)]
     values = np.array([0.2])
-    whole = predict(make_problem(together, ["water.tangential_friction"]), values, jacobian=True)
+    whole = predict(make_problem(together, ["water.tangential_friction"]), values)
     for members, at in ((short, slice(0, 2)), (long, slice(2, 4))):
-        part = predict(make_problem(members, ["water.tangential_friction"]), values, jacobian=True)
+        part = predict(make_problem(members, ["water.tangential_friction"]), values)
         np.testing.assert_allclose(whole.values[at], part.values, rtol=1e-12)
         np.testing.assert_allclose(whole.jacobian[at], part.jacobian, rtol=1e-10)
 
@@ -86,7 +86,7 @@ def test_trials_of_different_length_go_together():
 def test_a_run_that_diverges_is_named_and_has_no_predictions():
     good, bad = speeds(2)
     bad = within(bad, environment=replace(WATER, tangential_friction=1e6))
-    found = predict(make_problem([good, bad], ["water.normal_drag"], dt=0.1), np.array([1.75]), jacobian=True)
+    found = predict(make_problem([good, bad], ["water.normal_drag"], dt=0.1), np.array([1.75]))
     assert list(found.failures) == ["trial 1"]
     assert np.isfinite(found.values[0]) and np.isnan(found.values[1])
 
@@ -111,7 +111,7 @@ def test_the_twin_predicts_what_the_planar_model_does():
         )
     ]
     flat, deep = (make_problem(measured, ["water.normal_drag"], model=model) for model in ("planar", "spatial"))
-    one, other = (predict(put, np.array([1.5]), jacobian=True) for put in (flat, deep))
+    one, other = (predict(put, np.array([1.5])) for put in (flat, deep))
     np.testing.assert_allclose(one.values, other.values, rtol=0.02, atol=2e-3)
     np.testing.assert_allclose(one.jacobian, other.jacobian, rtol=0.1, atol=2e-3)
 

@@ -6,7 +6,7 @@ Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the use
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
 from importlib import import_module
 from typing import Annotated, Any, Union
 
@@ -126,8 +126,11 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
         Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_NoCommand)]
         for name, text in choices.items()
     ]
-    any_of_them: Any = Union[tuple(subcommands)]  # noqa: UP007  # made while it runs
-    tyro.cli(any_of_them, prog=prog, description=wrapped(description), args=words)
+    any_of_them: Any = Annotated[Union[tuple(subcommands)], tyro.conf.arg(name="")]  # noqa: UP007  # made while it runs
+    # Of a bare union tyro parses its own source, in search of a help for it; this class has none, and no source.
+    chosen: Any = make_dataclass("Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"})
+    quiet = (tyro.conf.HelptextFromCommentsOff,)
+    tyro.cli(chosen, prog=prog, description=wrapped(description), args=words, config=quiet)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 

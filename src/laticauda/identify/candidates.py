@@ -148,8 +148,7 @@ def rows_of(
         members = candidates[begin : begin + _AT_ONCE]
         part = with_starts(other_measurements(problem, members))
         every = np.concatenate([values, part.start[values.size :]])
-        predicted = model.predict(part, every, jacobian=True)
-        assert predicted.jacobian is not None
+        predicted = model.predict(part, every)
         for name, status in predicted.failures.items():
             raise ValueError(f"`candidates` must be trials that can be simulated, got `{name}`: {status}")
         rows = np.nan_to_num(predicted.jacobian / part.sigma[:, np.newaxis] * part.slopes(every))

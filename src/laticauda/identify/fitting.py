@@ -12,7 +12,7 @@ from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extras import optional_import
 from laticauda.identify import identifiability, result, unknowns
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.model import predict, scaled_jacobian
+from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
@@ -29,6 +29,7 @@ _LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "arctan": np.arctan,
 }
 _TIGHT = 1e-10
+_NEAR = 0.01  # of a large change of each coordinate: from there on a search goes where the other one did
 _MOST_STEPS = 100
 
 Vector = Float[np.ndarray, " n"]
@@ -133,7 +134,7 @@ def solve(
             begin = predict(problem, problem.values_of(x))
             failures = begin.failures or failures
             if np.all(np.isfinite(begin.values)):
-                searches.append(minimize(problem, x, loss=method.loss, look=look))
+                searches.append(minimize(problem, x, loss=method.loss, look=look, known=searches))
             elif not begin.failures:
                 _refuse_missing(problem, begin.values)
             if progress is not None:
@@ -212,6 +213,10 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
 # ---- one search ------------------------------------------------------------------------------------------------------
 
 
+class _Arrived(Exception):
+    """A search has come to where another one ended: its argument."""
+
+
 def minimize(
     problem: Problem,
     x: Vector,
@@ -221,6 +226,7 @@ def minimize(
     free: Int[np.ndarray, " n_free"] | None = None,
     steps: int = _MOST_STEPS,
     look: Callable[[Vector, float], None] | None = None,
+    known: Sequence[result.LocalSearch] = (),
 ) -> result.LocalSearch:
     """One search.
 
@@ -232,6 +238,7 @@ def minimize(
         free: Numbers of the unknowns that may change; None: all.
         steps: How many at most.
         look: Called with all coordinates and the sum of squares of every step.
+        known: Searches before; one that comes close to where another ended, as good as it, ends there.
 
     Returns:
         Where it ended, with all coordinates, and the Jacobian of those that are free.
@@ -241,6 +248,7 @@ def minimize(
     """
     optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
     mine = np.arange(x.size) if free is None else free
+    here, reached = None, math.inf  # the last prediction, and its cost
 
     def whole(at: np.ndarray) -> Vector:
         every = x.copy()
@@ -248,36 +256,49 @@ def minimize(
         return every
 
     def residuals(at: np.ndarray) -> np.ndarray:
-        found = all_residuals(problem, problem.values_of(whole(at)), factor)
+        nonlocal here, reached
+        values = problem.values_of(whole(at))
+        here = predict(problem, values)
+        found = all_residuals(problem, values, factor, here)
+        reached = cost_of(found, loss)
         if look is not None:
-            look(whole(at), cost_of(found, loss))
+            look(whole(at), reached)
         return found
 
     def jacobian(at: np.ndarray) -> np.ndarray:
+        for one in known:
+            if result.agree(reached, one.cost) and np.all(np.abs(whole(at) - one.end) <= _NEAR * problem.sizes):
+                raise _Arrived(one)
         values = problem.values_of(whole(at))
-        rows = [scaled_jacobian(problem, values, factor), problem.prior_slopes(values)]
+        rows = [scaled_jacobian(problem, values, factor, here), problem.prior_slopes(values)]
         return np.concatenate(rows)[:, mine]
 
     bounds = np.array([unknown.ends for unknown in problem.unknowns])[mine]
-    found = optimize.least_squares(
-        residuals,
-        np.clip(x[mine], *bounds.T),
-        jac=jacobian,
-        bounds=tuple(bounds.T),
-        x_scale=problem.sizes[mine],
-        loss=loss,
-        method="trf",
-        xtol=_TIGHT,
-        ftol=_TIGHT,
-        gtol=_TIGHT,
-        max_nfev=steps,
-    )
+    try:
+        found = optimize.least_squares(
+            residuals,
+            np.clip(x[mine], *bounds.T),
+            jac=jacobian,
+            bounds=tuple(bounds.T),
+            x_scale=problem.sizes[mine],
+            loss=loss,
+            method="trf",
+            xtol=_TIGHT,
+            ftol=_TIGHT,
+            gtol=_TIGHT,
+            max_nfev=steps,
+        )
+    except _Arrived as arrived:
+        return replace(arrived.args[0], start=x)
     end, jac = whole(found.x), np.asarray(found.jac)
     return result.LocalSearch(start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0)
 
 
 def all_residuals(
-    problem: Problem, values: Float[np.ndarray, " n_unknowns"], factor: float = 1.0
+    problem: Problem,
+    values: Float[np.ndarray, " n_unknowns"],
+    factor: float = 1.0,
+    predicted: Predicted | None = None,
 ) -> Float[np.ndarray, " n_residuals"]:
     """Those of the data and of the priors, in standard deviations.
 
@@ -285,8 +306,9 @@ def all_residuals(
         problem: Measurements and unknowns.
         values: Of the unknowns.
         factor: How many times the stated noise counts.
+        predicted: What the model says there, if that is known.
     """
-    data = (predict(problem, values).values - problem.observed) / (factor * problem.sigma)
+    data = ((predicted or predict(problem, values)).values - problem.observed) / (factor * problem.sigma)
     return np.concatenate([data, problem.prior_residuals(values)])
 
 

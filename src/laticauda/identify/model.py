@@ -6,7 +6,7 @@ is run trial by trial, and its derivatives are differences.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
@@ -35,41 +35,46 @@ class Predicted:
 
     values: Float[np.ndarray, " n_data"]
     """As `Problem.observed`; nan where a run diverged."""
-    jacobian: Float[np.ndarray, "n_data n_unknowns"] | None
-    """Derivative of each to each unknown, if asked for."""
     failures: Mapping[str, str]
     """How runs ended that diverged, by name of the measurement."""
+    differentiated: Callable[[], Float[np.ndarray, "n_data n_unknowns"]]
+    """Works out the `jacobian`."""
+
+    @cached_property
+    def jacobian(self) -> Float[np.ndarray, "n_data n_unknowns"]:
+        """Derivative of each value to each unknown, worked out when it is asked for."""
+        return self.differentiated()
 
 
-def predict(problem: Problem, values: Values, *, jacobian: bool = False) -> Predicted:
+def predict(problem: Problem, values: Values) -> Predicted:
     """What the model says about all measurements.
 
     Args:
         problem: Measurements and unknowns.
         values: Of the unknowns, in their units.
-        jacobian: Whether derivatives are wanted.
     """
     scenarios = problem.scenarios_at(values)
     if isinstance(problem.model, Planar):
         raw, failures = _planar_runs(problem, scenarios)
-        found = partial(_planar_jacobian, problem, scenarios, values, raw)
+        slopes = partial(_planar_jacobian, problem, scenarios, values, raw)
     else:
         raw, failures = _spatial_runs(problem, scenarios)
-        found = partial(_differences, problem, values)
-    predicted = _seen(problem, raw, values)
-    return Predicted(values=predicted, jacobian=found() if jacobian else None, failures=failures)
+        slopes = partial(_differences, problem, values)
+    return Predicted(values=_seen(problem, raw, values), failures=failures, differentiated=slopes)
 
 
-def scaled_jacobian(problem: Problem, values: Values, factor: float = 1.0) -> Float[np.ndarray, "n_data n_unknowns"]:
+def scaled_jacobian(
+    problem: Problem, values: Values, factor: float = 1.0, predicted: Predicted | None = None
+) -> Float[np.ndarray, "n_data n_unknowns"]:
     """The Jacobian in standard deviations of the noise, to the coordinates of the unknowns.
 
     Args:
         problem: Measurements and unknowns.
         values: Of the unknowns.
         factor: How many times the stated noise counts.
+        predicted: What the model says there, if that is known.
     """
-    jacobian = predict(problem, values, jacobian=True).jacobian
-    assert jacobian is not None
+    jacobian = (predicted or predict(problem, values)).jacobian
     return jacobian / (factor * problem.sigma)[:, np.newaxis] * problem.slopes(values)
 
 

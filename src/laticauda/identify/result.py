@@ -153,8 +153,7 @@ class Fit:
     @property
     def n_agreeing(self) -> int:
         """How many starts ended as well as the best one."""
-        best = self.searches[0].cost
-        return sum(search.cost <= best + 1e-3 * max(1.0, best * 1e-3) for search in self.searches)
+        return sum(agree(search.cost, self.searches[0].cost) for search in self.searches)
 
     @property
     def status(self) -> str:
@@ -271,6 +270,16 @@ class Fit:
             ValueError: If the measurements were not made in water, or a parameter file cannot say what was identified.
         """
         return as_parameters(self.problem, self.values, name, title)
+
+
+def agree(cost: float, other: float) -> bool:
+    """Whether two searches have come to one minimum, by their sums of squares.
+
+    Args:
+        cost: Of one.
+        other: Of the other.
+    """
+    return abs(cost - other) <= 1e-3 * max(1.0, other * 1e-3)
 
 
 def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequence[LocalSearch]) -> Fit:

@@ -221,10 +221,11 @@ def slopes(
     extra_plants: dict[int, model.PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name, id(run.command.gait.recorded)
-        of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
-        entry = known.get(key) or _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
-        if not of_gait:  # the same for all gaits
-            known[key] = entry
+        if (entry := known.get(key)) is None:
+            of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
+            entry = _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
+            if not of_gait:  # the same for all gaits
+                known[key] = entry
         plant = run.plant
         if entry.has_extras and not plant.layout.has_extras:
             plant = extra_plants.setdefault(id(plant), _with_extras(plant))
