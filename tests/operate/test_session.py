@@ -247,8 +247,7 @@ def test_ticks_that_a_computer_missed_are_not_made_up_for():
 
     swum, ticks = tank(), []
     what = Operator(operation=operation(duration=3.0))
-    devices = TankDevices(swum)
-    devices.clock = Sleepy(swum)
+    devices = TankDevices(swum, clock=Sleepy(swum))
     state, timing = run_loop(what, devices, show=lambda state, _: ticks.append(state.now))
     assert state.is_done
     assert timing is None  # a tank's time is never late by itself

@@ -61,13 +61,8 @@ class Estimator(StateEstimator):
     @cached_property
     def model(self) -> MotionModel:
         """The motion model that follows from the settings."""
-        return MotionModel(
-            robot=self.robot,
-            mount=self.mount,
-            noise=self.noise,
-            swim_speed=self.swim_speed,
-            swim_speed_std=self.swim_speed_std,
-        )
+        speed = {"swim_speed": self.swim_speed, "swim_speed_std": self.swim_speed_std}
+        return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise, **speed)
 
     @cached_property
     def twin_model(self) -> MotionModel:

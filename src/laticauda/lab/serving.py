@@ -3,7 +3,6 @@
 import os
 import select
 import threading
-import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -161,10 +160,10 @@ class Lab:
             SimulationFailed: If the body's motion diverges.
         """
         end = float("inf") if duration is None else self.tank.time + duration
-        began, first = time.monotonic(), self.tank.time
+        clock, first = worker.Clock(speed=self.speed), self.tank.time
         self.lag = 0.0
         while not self._stopped.is_set() and self.tank.time < end - 1e-9:
-            now = first + (time.monotonic() - began) * self.speed - self.lag
+            now = first + clock.now() - self.lag
             behind = now - self.tank.next_tick
             if behind > WORST_LAG * self.speed:
                 self.lag += behind
@@ -177,7 +176,7 @@ class Lab:
             # With wait <= 0 there is a step to make; what has come meanwhile is heard all the same.
             frame = self._received(min(max(wait, 0.0), LONGEST_WAIT))
             if frame is not None:
-                self._take(frame, first + (time.monotonic() - began) * self.speed - self.lag)
+                self._take(frame, first + clock.now() - self.lag)
 
     def _take(self, frame: Any, now: float) -> None:
         if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:

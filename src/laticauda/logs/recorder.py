@@ -17,13 +17,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, Self
 
-from laticauda.errors import BadArgument, StorageFailed, finite, positive, whole
+from laticauda.errors import BadArgument, StorageFailed, finite, positive
 from laticauda.extras import optional_import
 from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
 _CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")  # encapsulation; stamp, frame_id ""; identifier, length, data
+CHUNK_BYTES = 1 << 20  # of the messages in a chunk, which then is complete
 WORLD = "world"
 """The frame of the world axes."""
 
@@ -61,8 +62,7 @@ class Recorder:
 
     Args:
         path: The file.
-        chunk_seconds: A chunk is complete after this much time of the messages [s].
-        chunk_bytes: And when it holds this much [bytes].
+        chunk_seconds: A chunk is complete after this much time of the messages, or when it holds `CHUNK_BYTES` [s].
         overwrite: Whether an older file of that name may be replaced.
 
     Raises:
@@ -76,14 +76,11 @@ class Recorder:
         ...     recorder.event(0.5, "running", {"gait": "eel_like"})
     """
 
-    def __init__(
-        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
-    ) -> None:
+    def __init__(self, path: str | Path, *, chunk_seconds: float = 1.0, overwrite: bool = False) -> None:
         need_mcap()
         from mcap.writer import Writer
 
         self._chunk_ns = moment(positive("chunk_seconds", chunk_seconds, "s"))
-        self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
         self.path = Path(path)
         """The file."""
         try:
@@ -313,7 +310,7 @@ class Recorder:
             self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
             self._open_bytes += len(data)
             # Moments of several sources need not be in order: an older one does not end a chunk.
-            if self._open_bytes >= self._chunk_bytes or now - self._open_since >= self._chunk_ns:
+            if self._open_bytes >= CHUNK_BYTES or now - self._open_since >= self._chunk_ns:
                 self._end_chunk()
 
     def _channel(self, topic: str, kind: str, unit: str) -> int:

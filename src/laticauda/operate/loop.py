@@ -10,6 +10,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 
 from laticauda import lab, protocol
+from laticauda.estimation import PoseSample
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
@@ -24,39 +25,21 @@ Show = Callable[[OperatorState, Outputs], None]
 """Called with every tick; must be quick."""
 
 
+@dataclass(kw_only=True)
 class Devices:
-    """What the loop takes from and sends to."""
+    """What the loop takes from and sends to: drivers that are connected, or what stands for them in a tank."""
 
     clock: Clock
     """What stamps what comes in."""
-
-    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
-        """Everything that came in since the last call, and the raw frames of the bus; `now` in s."""
-        raise NotImplementedError
-
-    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
-        """Send `messages` over the bus, in this order, at `now` [s]: the frames that went out."""
-        raise NotImplementedError
-
-    def begin_run(self) -> None:
-        """The run begins: what averages begins anew."""
-
-
-@dataclass(kw_only=True)
-class Wired(Devices):
-    """The drivers that are connected."""
-
-    clock: Clock
-    """Theirs."""
-    can: CanDriver
+    can: "CanDriver | TankBus"
     """The modules' bus."""
-    mocap: MocapDriver
+    mocap: "MocapDriver | TankCameras"
     """The cameras."""
-    meter: MeterDriver | None
+    meter: "MeterDriver | TankMeter | None"
     """The power meter; None without one."""
 
-    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
-        """See `Devices.receive`."""
+    def receive(self) -> tuple[Inputs, tuple[Frame, ...]]:
+        """Everything that came in since the last call, and the raw frames of the bus."""
         frames = self.can.receive()
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
@@ -66,18 +49,14 @@ class Wired(Devices):
         )
         return inputs, frames
 
-    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
-        """See `Devices.send`."""
-        return self.can.send(messages)
-
     def begin_run(self) -> None:
-        """The meter's average is that of the run."""
+        """The run begins: what averages begins anew."""
         if self.meter is not None:
             self.meter.restart()
 
 
 @contextmanager
-def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
+def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
     """The devices of an operation, connected; they are closed at the end of the block.
 
     Args:
@@ -95,7 +74,7 @@ def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
         cameras = connection.mocap_host, connection.mocap_port, connection.mocap_body
         mocap = stack.enter_context(MocapDriver(*cameras, clock))
         meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None
-        yield Wired(clock=clock, can=can, mocap=mocap, meter=meter)
+        yield Devices(clock=clock, can=can, mocap=mocap, meter=meter)
 
 
 def run_loop(
@@ -136,7 +115,7 @@ def run_loop(
             clock.wait_until(due)
             now = clock.now()
             ours = {**keys(now), "recorder_failed": sink.trouble if sink else "", "program_error": error}
-            inputs, received = devices.receive(now)
+            inputs, received = devices.receive()
             inputs = replace(inputs, events={**inputs.events, **{event: why for event, why in ours.items() if why}})
             try:
                 state, outputs = operator.tick(state, now, inputs)
@@ -144,9 +123,9 @@ def run_loop(
             except Exception as failed:  # a fault of ours must not leave the robot swimming
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
-                    devices.send((protocol.EmergencyStop(reason=2),), now)
+                    devices.can.send((protocol.EmergencyStop(reason=2),))
                     raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
-            sent = devices.send(outputs.messages, now)
+            sent = devices.can.send(outputs.messages)
             if any(event.kind == "start" for event in outputs.events):
                 devices.begin_run()
             if clock.is_real:
@@ -192,47 +171,81 @@ class TankTime(Clock):
         yield
 
 
+class TankDriver:
+    """A device of a tank without wires, as a driver of it: what it says is there at once.
+
+    Args:
+        tank: The tank.
+        clock: What stamps what comes in.
+    """
+
+    trouble = ""
+    """Never any."""
+
+    def __init__(self, tank: lab.Tank, clock: Clock) -> None:
+        self._tank, self._clock = tank, clock
+
+
+class TankBus(TankDriver):
+    """The modules' bus."""
+
+    bus_off = ""
+    """Never."""
+
+    def receive(self) -> tuple[Frame, ...]:
+        """What the modules said since the last call."""
+        now = self._clock.now()
+        return tuple(Frame(now, *wire, is_ours=False, message=protocol.decode(*wire)) for wire in self._tank.sent())
+
+    def send(self, messages: tuple[protocol.CanMessage, ...]) -> tuple[Frame, ...]:
+        """Let the modules hear `messages`, in this order: the frames that carry them."""
+        now = self._clock.now()
+        frames = tuple(Frame(now, *protocol.encode(message), is_ours=True, message=message) for message in messages)
+        for frame in frames:
+            self._tank.receive(frame.identifier, frame.data, now)
+        return frames
+
+
+class TankCameras(TankDriver):
+    """The cameras."""
+
+    def receive(self) -> tuple[tuple[float, PoseSample], ...]:
+        """What they saw since the last call, with the time of arrival."""
+        now, captured = self._clock.now(), self._tank.captured()
+        return tuple((now, pose_sample(one.timestamp, one.bodies[0] if one.bodies else None)) for one in captured)
+
+
+class TankMeter(TankDriver):
+    """The power meter, whose averages nobody queries."""
+
+    _queried = -math.inf
+
+    def receive(self) -> tuple[entries.PowerReading, ...]:
+        """What it shows, now and then; nothing where it says nothing, or nothing of sense."""
+        now = self._clock.now()
+        if now - self._queried < METER_INTERVAL - 1e-9:
+            return ()
+        self._queried = now
+        try:
+            shown = decode_displayed(LineReader().feed(self._tank.answer(DISPLAYED))[1])
+        except (IndexError, protocol.ProtocolError):
+            return ()
+        return (entries.PowerReading(time=now, current=shown.live),)
+
+    def restart(self) -> None:
+        """Nothing to do."""
+
+
 class TankDevices(Devices):
     """A tank without wires, as devices.
 
     Args:
         tank: The tank.
         has_meter: Whether its power meter is read.
+        clock: Its time; None: the usual one.
     """
 
-    def __init__(self, tank: lab.Tank, *, has_meter: bool = True) -> None:
-        self.clock = TankTime(tank)
-        self._tank, self._has_meter = tank, has_meter
-        self._queried = -math.inf
-
-    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
-        """See `Devices.receive`."""
-        frames = tuple(Frame(now, *wire, is_ours=False, message=protocol.decode(*wire)) for wire in self._tank.sent())
-        readings: tuple[entries.PowerReading, ...] = ()
-        if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
-            readings, self._queried = self._readings(now), now
-        inputs = Inputs(
-            messages=tuple((now, frame.message) for frame in frames if frame.message is not None),
-            frames=tuple(
-                (now, pose_sample(frame.timestamp, frame.bodies[0] if frame.bodies else None))
-                for frame in self._tank.captured()
-            ),
-            readings=readings,
-        )
-        return inputs, frames
-
-    def send(self, messages: tuple[protocol.CanMessage, ...], now: float) -> tuple[Frame, ...]:
-        """See `Devices.send`."""
-        frames = tuple(Frame(now, *protocol.encode(message), is_ours=True, message=message) for message in messages)
-        for frame in frames:
-            self._tank.receive(frame.identifier, frame.data, now)
-        return frames
-
-    def _readings(self, now: float) -> tuple[entries.PowerReading, ...]:
-        """What the meter shows; nothing where it says nothing, or nothing of sense."""
-        try:
-            lines = LineReader().feed(self._tank.answer(DISPLAYED))
-            shown = decode_displayed(lines[1])
-        except (IndexError, protocol.ProtocolError):
-            return ()
-        return (entries.PowerReading(time=now, current=shown.live),)
+    def __init__(self, tank: lab.Tank, *, has_meter: bool = True, clock: TankTime | None = None) -> None:
+        wires = tank, clock or TankTime(tank)
+        meter = TankMeter(*wires) if has_meter else None
+        super().__init__(clock=wires[1], can=TankBus(*wires), mocap=TankCameras(*wires), meter=meter)

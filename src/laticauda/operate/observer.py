@@ -212,11 +212,11 @@ class Listener(worker.Worker[None]):
             self._trouble = ""
             self._listen(devices, self._clock)
 
-    def _listen(self, devices: loop.Wired, clock: worker.Clock) -> None:
+    def _listen(self, devices: loop.Devices, clock: worker.Clock) -> None:
         observer, state = self._observer, self._observer.init(clock.now())
         while not self._ended.wait(LOOK):
             now = clock.now()
-            inputs, _ = devices.receive(now)
+            inputs, _ = devices.receive()
             state = observer.step(state, now, inputs.messages, inputs.frames)
             trouble = (devices.can.bus_off or devices.mocap.trouble).rstrip(".")
             sentence = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else observer.complaint(state, now)
