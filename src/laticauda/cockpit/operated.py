@@ -10,7 +10,6 @@ from laticauda import interfaces, series
 from laticauda.cockpit import pages, shapes
 from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.operate.settings import Connection
-from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
 
 if TYPE_CHECKING:
@@ -136,8 +135,8 @@ class OperatedRobot:
 
     def _offer(self, connection: Connection) -> None:
         """Let the fields show where bus and cameras are."""
-        bus = BusAddress(interface=connection.can_interface, channel=connection.can_channel, port=connection.can_port)
-        self._can.value, self._mocap.value = str(bus), f"{connection.mocap_host}:{connection.mocap_port}"
+        mocap = f"{connection.mocap_host}:{connection.mocap_port}"
+        self._can.value, self._mocap.value = str(connection.bus), mocap
 
     def _left(self, event: Any) -> None:
         self.disconnect()

@@ -61,7 +61,7 @@ class Estimator(StateEstimator):
     @cached_property
     def model(self) -> MotionModel:
         """The motion model that follows from the settings."""
-        speed = {"swim_speed": self.swim_speed, "swim_speed_std": self.swim_speed_std}
+        speed: dict[str, Any] = {"swim_speed": self.swim_speed, "swim_speed_std": self.swim_speed_std}
         return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise, **speed)
 
     @cached_property

@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
-from laticauda.lab import electronics, instruments, nodes
+from laticauda.lab import instruments, nodes
 from laticauda.lab.faults import KINDS, Fault, Faults, fault_from_words
 from laticauda.lab.settings import LabSettings
 from laticauda.lab.virtual_robot import Truth, VirtualRobot
@@ -42,7 +42,7 @@ class Tank:
         self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
         motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
-        self.electronics = electronics.Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
+        self.electronics = instruments.Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
         self.cameras = instruments.Cameras(self.settings.mocap, cameras)
         self.meter = instruments.Multimeter(self.settings.supply, supply)
         self.nodes = [nodes.Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]

@@ -68,9 +68,7 @@ def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
         MissingExtra: If a library is not installed.
     """
     with ExitStack() as stack:
-        port = {"port": connection.can_port} if connection.can_interface == "udp_multicast" else {}
-        address = protocol.BusAddress(interface=connection.can_interface, channel=connection.can_channel, **port)
-        can = stack.enter_context(CanDriver(address, clock))
+        can = stack.enter_context(CanDriver(connection.bus, clock))
         cameras = connection.mocap_host, connection.mocap_port, connection.mocap_body
         mocap = stack.enter_context(MocapDriver(*cameras, clock))
         meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None

@@ -43,6 +43,11 @@ class Connection:
     mocap_body: str = option('name of the rigid body; "" takes the only one there is', default="")
     meter_port: str = option('serial port of the power meter; "" for none', default="")
 
+    @property
+    def bus(self) -> protocol.BusAddress:
+        """That of the modules."""
+        return protocol.BusAddress(interface=self.can_interface, channel=self.can_channel, port=self.can_port)
+
     def at(self, *, can: str | None = None, mocap: str | None = None, meter: str | None = None) -> "Connection":
         """The same with other addresses, as somebody types them.
 

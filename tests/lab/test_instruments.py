@@ -9,7 +9,7 @@ from lab_parts import EXACT, make_tank
 
 from laticauda.actuation import Servo
 from laticauda.lab import LabSettings, NodeSettings
-from laticauda.lab.electronics import Electronics
+from laticauda.lab.instruments import Electronics
 
 OFF, ON = np.zeros(18, dtype=bool), np.ones(18, dtype=bool)
 
