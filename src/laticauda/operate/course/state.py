@@ -153,6 +153,8 @@ class OperatorState:
     """The last one of the power meter."""
     idle: MeanCurrent = field(default_factory=MeanCurrent)
     """Current at rest, before the run."""
+    drawn: MeanCurrent = field(default_factory=MeanCurrent)
+    """Current of the run."""
     reference: ReferenceState
     """The references of the joints."""
     prepared: Prepared
@@ -211,7 +213,8 @@ def take_in(
     state = replace(state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations))
     for reading in inputs.readings:
         idle = state.idle.step(reading.current) if state.phase == "idle_current" else state.idle
-        state = replace(state, reading=reading, idle=idle)
+        drawn = state.drawn.step(reading.current) if state.phase == "running" else state.drawn
+        state = replace(state, reading=reading, idle=idle, drawn=drawn)
     return _estimated(estimator, state, now, samples), (*samples, *inputs.readings)
 
 
