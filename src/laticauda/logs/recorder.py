@@ -14,7 +14,6 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from laticauda.errors import BadArgument, StorageFailed, finite, positive
@@ -283,7 +282,7 @@ class Recorder:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _add(self, topic: str, kind: str, unit: str, now: int, data: bytes) -> None:

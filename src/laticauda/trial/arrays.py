@@ -12,7 +12,6 @@ from laticauda.errors import BadArgument
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
 Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
-Axes: TypeAlias = Float[np.ndarray, " n_axes"]
 Setting: TypeAlias = str | float | bool | None
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 
