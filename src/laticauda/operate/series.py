@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import math
 import statistics
 from collections.abc import Callable, Sequence
@@ -125,27 +126,23 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
     Raises:
         StorageFailed: If the table cannot be written.
     """
+    found: dict[str, list[Result]] = {}
     settings: list[Repeats] = []
-    for operation in series.trials:
-        results: list[Result] = []
-        stopped = False
-        for number in range(1, series.repeats + series.retries + 1):
-            if sum(result.accepted for result in results) >= series.repeats:
-                break
-            one = replace(operation, name=f"{operation.name}-{number}")
-            result = _stored(one, folder)
-            if result is None:
-                if place is not None:
-                    place(operation, number)
-                result = run(one, folder)
-            results.append(result)
-            done = [*settings, Repeats(operation=operation, results=tuple(results))]
-            _write_repeats(folder, done)
-            stopped = not result.accepted and "the operator" in result.reason
-            if stopped:
-                break
-        settings.append(Repeats(operation=operation, results=tuple(results)))
-        if stopped:
+    for operation, number in itertools.product(series.trials, range(1, series.repeats + series.retries + 1)):
+        results = found.setdefault(operation.name, [])
+        if sum(result.accepted for result in results) >= series.repeats:
+            continue
+        one = replace(operation, name=f"{operation.name}-{number}")
+        result = _stored(one, folder)
+        if result is None:
+            if place is not None:
+                place(operation, number)
+            result = run(one, folder)
+        results.append(result)
+        begun = [each for each in series.trials if each.name in found]
+        settings = [Repeats(operation=each, results=tuple(found[each.name])) for each in begun]
+        _write_repeats(folder, settings)
+        if not result.accepted and "the operator" in result.reason:
             break
     return Series(file=series, settings=tuple(settings), folder=folder)
 
