@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from robot.strategies import names, waters
 
 from laticauda.errors import RobotFileError, StorageFailed
+from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.robot import (
     Parameters,
     RobotNotFound,
@@ -85,6 +86,17 @@ def test_what_a_gait_does_not_replace_stays_as_for_every_gait(load):
     assert coefficients(own) == {**coefficients(found.every_gait), "normal_drag": 2.0}
     assert own.name == "mine, eel_like"
     assert own.depth == 0.2
+
+
+def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_takes_its_whole_place(load):
+    usual = "[water.drag]\nreference_speed = 0.5\nlinear = false\n"
+    same = '[eel_like.water.drag]\nkind = "polynomial-drag"\nsway_friction = 0.5\n'
+    other = '[lateral_undulation.water.drag]\nkind = "total-speed-drag"\nbeta = 0.25\n'
+    found = load(HEAD + WATER + usual + same + other)
+    law = found.every_gait.drag
+    assert law == PolynomialDrag(reference_speed=0.5, linear=False)
+    assert found.water("eel_like").drag == replace(law, sway_friction=0.5)
+    assert found.water("lateral_undulation").drag == TotalSpeedDrag(beta=0.25)
 
 
 @pytest.mark.parametrize(
