@@ -45,7 +45,7 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
         path = left.pop()
         if path is not None and path not in found:
             found.add(path)
-            left += [_file(package, way) for way in _imported(package, ast.parse(path.read_bytes()))]
+            left += [_file(package, way) for way in _ways(package, path.read_bytes())]
     return tuple(sorted(found))
 
 
@@ -92,6 +92,11 @@ def _file(package: Path, way: list[str]) -> Path | None:
     inside = package.joinpath(*way)
     choices = (inside.with_suffix(".py"), inside / "__init__.py") if way else ()
     return next((path for path in choices if path.is_file()), None)
+
+
+@functools.cache
+def _ways(package: Path, text: bytes) -> list[list[str]]:
+    return list(_imported(package, ast.parse(text)))
 
 
 def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
