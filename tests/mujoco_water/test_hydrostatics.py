@@ -41,7 +41,7 @@ def direction(seed: int) -> np.ndarray:
 def test_share_and_centroid_are_those_of_the_body(shape: str, up, relative_depth: float):
     up = np.asarray(up, dtype=float)
     depth = relative_depth * float(np.sum(np.abs(up) * HALF))
-    share, *centroid = wetted(SHAPES[shape], *HALF, *up, depth)
+    share, *centroid = wetted(SHAPES[shape], HALF, up, depth)
     expected, moment = by_points(shape, up, depth)
     assert share == pytest.approx(expected, abs=0.001)
     np.testing.assert_allclose(share * np.array(centroid), moment, atol=0.001 * HALF[0])
@@ -54,9 +54,9 @@ def test_the_rate_of_the_share_is_its_change_with_time(shape: str, seed: int, re
     up = direction(seed)
     turning, sinking = (0.0 if still else 1.0) * rng.normal(size=3), rng.normal()
     depth = relative_depth * float(np.sum(np.abs(up) * HALF))
-    now = wetted(SHAPES[shape], *HALF, *up, depth)[0]
+    now = wetted(SHAPES[shape], HALF, up, depth)[0]
     before, after = (
-        wetted(SHAPES[shape], *HALF, *Rotation.from_rotvec(-turning * t).apply(up), depth + sinking * t)[0]
+        wetted(SHAPES[shape], HALF, Rotation.from_rotvec(-turning * t).apply(up), depth + sinking * t)[0]
         for t in (-dt, dt)
     )
     rate = wetting(now, SHAPES[shape], HALF, tuple(up), depth, tuple(turning), sinking, 1e-7)
@@ -73,10 +73,10 @@ def test_the_lift_s_moment_is_the_slope_of_its_energy(shape: str, seed: int, rel
 
     def energy(t: float) -> float:  # of what is displaced, per rho g V
         z = Rotation.from_rotvec(-turning * t).apply(up)
-        share, *center = wetted(SHAPES[shape], *HALF, *z, depth)
+        share, *center = wetted(SHAPES[shape], HALF, z, depth)
         return share * (depth - z @ center)
 
-    share, *center = wetted(SHAPES[shape], *HALF, *up, depth)
+    share, *center = wetted(SHAPES[shape], HALF, up, depth)
     torque = share * np.cross(center, up)
     assert -(energy(dt) - energy(-dt)) / (2.0 * dt) == pytest.approx(torque @ turning, abs=1e-4 * HALF[0])
 
@@ -84,16 +84,16 @@ def test_the_lift_s_moment_is_the_slope_of_its_energy(shape: str, seed: int, rel
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_covered_body_is_whole_and_a_dry_one_is_nothing(shape: str):
     for seed in range(20):
-        assert wetted(SHAPES[shape], *HALF, *direction(seed), 1.0) == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-15)
-        assert wetted(SHAPES[shape], *HALF, *direction(seed), -1.0) == (0.0, 0.0, 0.0, 0.0)
+        assert wetted(SHAPES[shape], HALF, direction(seed), 1.0) == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-15)
+        assert wetted(SHAPES[shape], HALF, direction(seed), -1.0) == (0.0, 0.0, 0.0, 0.0)
 
 
 @given(st.sampled_from(sorted(SHAPES)), st.integers(0, 1000), st.floats(-1.2, 1.2))
 def test_nothing_jumps_and_deeper_is_wetter(shape: str, seed: int, relative_depth: float):
     up, step = direction(seed), 1e-7
     depth = relative_depth * float(np.sum(np.abs(up) * HALF))
-    here = np.array(wetted(SHAPES[shape], *HALF, *up, depth))
-    lower = np.array(wetted(SHAPES[shape], *HALF, *up, depth + step))
+    here = np.array(wetted(SHAPES[shape], HALF, up, depth))
+    lower = np.array(wetted(SHAPES[shape], HALF, up, depth + step))
     assert lower[0] >= here[0] - 1e-14
     moment_here, moment_lower = here[0] * here[1:], lower[0] * lower[1:]
     np.testing.assert_allclose(lower[0], here[0], atol=1e-4)
@@ -104,7 +104,7 @@ def test_nothing_jumps_and_deeper_is_wetter(shape: str, seed: int, relative_dept
 def test_upside_down_the_dry_part_is_the_wet_part(shape: str, seed: int, relative_depth: float):
     up = direction(seed)
     depth = relative_depth * float(np.sum(np.abs(up) * HALF))
-    share, *centroid = wetted(SHAPES[shape], *HALF, *up, depth)
-    other, *opposite = wetted(SHAPES[shape], *HALF, *-up, -depth)
+    share, *centroid = wetted(SHAPES[shape], HALF, up, depth)
+    other, *opposite = wetted(SHAPES[shape], HALF, -up, -depth)
     assert share + other == pytest.approx(1.0, abs=1e-12)
     np.testing.assert_allclose(share * np.array(centroid), -other * np.array(opposite), atol=1e-9)

@@ -569,7 +569,7 @@ def energy(model, data, elements) -> float:
         b = model.body(e.body).id
         R, at = data.xmat[b].reshape(3, 3), data.xpos[b] + data.xmat[b].reshape(3, 3) @ e.position
         up = (R @ e.rotation)[2]
-        share, *center = hydrostatics.wetted(getattr(hydrostatics, e.shape.upper()), *e.half_size, *up, -at[2])
+        share, *center = hydrostatics.wetted(getattr(hydrostatics, e.shape.upper()), e.half_size, up, -at[2])
         total -= 1000.0 * 9.81 * e.volume * share * (at[2] + up @ center)
     return total + 0.5 * data.qvel @ M @ data.qvel + 9.81 * model.body_mass @ data.xipos[:, 2]
 

@@ -212,7 +212,7 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
         return 0.0
     _, places, axes = (np.array(each) for each in zip(*(pose(model, data, e) for e in own), strict=True))
     places -= data.subtree_com[root]
-    shapes = [(float(getattr(hydrostatics, e.shape.upper())), *e.half_size) for e in own]
+    shapes = [(float(getattr(hydrostatics, e.shape.upper())), e.half_size) for e in own]
     volumes = np.array([e.volume for e in own])
     needed = float(model.body_subtreemass[root]) / water.options["density"]
     floats = water.options["surface"] is not None and needed < volumes.sum()
@@ -226,8 +226,8 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
         at, turned = places @ turn.T, turn @ axes
 
         def lift(depth: float) -> np.ndarray:
-            rows: Any = np.column_stack([shapes, turned[:, 2], depth - at[:, 2]]).tolist()
-            wet = np.array([hydrostatics.wetted(*row) for row in rows])
+            ups, depths = turned[:, 2].tolist(), (depth - at[:, 2]).tolist()
+            wet = np.array([hydrostatics.wetted(*one, *row) for one, *row in zip(shapes, ups, depths, strict=True)])
             centers = at + np.einsum("nij,nj->ni", turned, wet[:, 1:])
             return (volumes * wet[:, 0]) @ np.column_stack([np.ones(len(at)), centers])
 

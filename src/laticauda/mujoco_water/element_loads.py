@@ -56,9 +56,8 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     V, flow, spin, elevation = flow_at(T, P, place, 0.0, model, data, law_io)
     wet, center, covered, whole = 1.0, (0.0, 0.0, 0.0), 0.0, 0.0
     if T[HAS_SURFACE]:
-        half, up = three(E, o + HALF), three(R, 6)
         depth = P[LEVEL] + elevation - place[2]
-        wet, c_x, c_y, c_z = wetted(E[o + SHAPE], half[0], half[1], half[2], up[0], up[1], up[2], depth)
+        wet, c_x, c_y, c_z = wetted(E[o + SHAPE], three(E, o + HALF), three(R, 6), depth)
         center = (c_x, c_y, c_z)
         if wet < 1.0 and T[HAS_INERTIA]:
             surface = P, place, elevation, model, law_io

@@ -1,8 +1,8 @@
 """How much of a body is under water, and where its center of buoyancy is, for a flat surface.
 
-Plain scalar functions, which the kernels compile. Lengths are in the element's own axes, `z_x, z_y, z_z` is the world's
-upward direction in them, and `depth` is that of the element's middle below the surface. All return the share of the
-volume that is under water and the centroid of that part.
+Plain functions of numbers, or of three along the axes, which the kernels compile. Lengths are in the element's own axes,
+`up` is the world's upward direction in them, and `depth` is that of the element's middle below the surface. All return
+the share of the volume that is under water and the centroid of that part.
 
 Ellipsoids, cylinders (elliptic, along x) and boxes are cut in closed form at any attitude. Where a side is level the
 forms of the latter two are 0/0, so no side rises by less than _LEVEL of what the body does: an error of 1e-5 of the
@@ -10,50 +10,33 @@ volume, and no jump in value or slope at any attitude.
 """
 
 import math
+from typing import TypeAlias
 
+Three: TypeAlias = tuple[float, float, float]
+Four: TypeAlias = tuple[float, float, float, float]
 ELLIPSOID, CYLINDER, BOX = range(3)
 _LEVEL = 3e-3
 _TINY = 1e-12
 
 
-def wetted(
-    shape: float,
-    half_x: float,
-    half_y: float,
-    half_z: float,
-    z_x: float,
-    z_y: float,
-    z_z: float,
-    depth: float,
-) -> tuple[float, float, float, float]:
+def wetted(shape: float, half: Three, up: Three, depth: float) -> Four:
     """Share of the volume under water [-] and its centroid in element axes [m].
 
     Args:
         shape: ELLIPSOID, CYLINDER or BOX.
-        half_x: Half the length [m].
-        half_y: Half the width [m].
-        half_z: Half the height [m].
-        z_x: Upward direction along x [-].
-        z_y: Upward direction along y [-].
-        z_z: Upward direction along z [-].
+        half: Half the length, width and height [m].
+        up: The world's upward direction [-].
         depth: Of the element's middle [m].
     """
     if shape == ELLIPSOID:
-        return _ellipsoid(half_x, half_y, half_z, z_x, z_y, z_z, depth)
+        return _ellipsoid(half, up, depth)
     if shape == CYLINDER:
-        return _cylinder(half_x, half_y, half_z, z_x, z_y, z_z, depth)
-    return _box(half_x, half_y, half_z, z_x, z_y, z_z, depth)
+        return _cylinder(half, up, depth)
+    return _box(half, up, depth)
 
 
 def wetting(
-    share: float,
-    shape: float,
-    half: tuple[float, float, float],
-    up: tuple[float, float, float],
-    depth: float,
-    turning: tuple[float, float, float],
-    sinking: float,
-    t: float,
+    share: float, shape: float, half: Three, up: Three, depth: float, turning: Three, sinking: float, t: float
 ) -> float:
     """How fast the share under water grows in the time to come, if the body goes on as it moves [1/s].
 
@@ -67,19 +50,18 @@ def wetting(
         sinking: Rate of the depth [m/s].
         t: The time [s].
     """
-    (x, y, z), (z_x, z_y, z_z), (w_x, w_y, w_z) = half, up, turning
-    z_x, z_y, z_z = (
+    (z_x, z_y, z_z), (w_x, w_y, w_z) = up, turning
+    later = (
         z_x + t * (z_y * w_z - z_z * w_y),
         z_y + t * (z_z * w_x - z_x * w_z),
         z_z + t * (z_x * w_y - z_y * w_x),
     )
-    return (wetted(shape, x, y, z, z_x, z_y, z_z, depth + t * sinking)[0] - share) / t
+    return (wetted(shape, half, later, depth + t * sinking)[0] - share) / t
 
 
-def _ellipsoid(
-    half_x: float, half_y: float, half_z: float, z_x: float, z_y: float, z_z: float, depth: float
-) -> tuple[float, float, float, float]:
+def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
     """The cap of a sphere, stretched."""
+    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
     height = math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
     s = depth / height
@@ -91,10 +73,9 @@ def _ellipsoid(
     return 0.25 * (1.0 + s) * (1.0 + s) * (2.0 - s), down * half_x * p_x, down * half_y * p_y, down * half_z * p_z
 
 
-def _cylinder(
-    half_x: float, half_y: float, half_z: float, z_x: float, z_y: float, z_z: float, depth: float
-) -> tuple[float, float, float, float]:
+def _cylinder(half: Three, up: Three, depth: float) -> Four:
     """Mean over the length of the segment of a circle, stretched, that is cut off at s: from s - reach to s + reach."""
+    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_y, p_z = half_y * z_y, half_z * z_z
     height = math.sqrt(p_y * p_y + p_z * p_z) + _TINY
     s, slope = depth / height, half_x * z_x / height
@@ -125,10 +106,9 @@ def _segments(s: float) -> tuple[float, float, float]:
     return area, first, (s * root * root * root / 6.0 + 0.25 * (s * root + angle)) / math.pi
 
 
-def _box(
-    half_x: float, half_y: float, half_z: float, z_x: float, z_y: float, z_z: float, depth: float
-) -> tuple[float, float, float, float]:
+def _box(half: Three, up: Three, depth: float) -> Four:
     """Height over the box is the sum of three uniform variables: its distribution is a sum over the eight corners."""
+    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
     least = _LEVEL * math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
     a_x, a_y = math.sqrt(p_x * p_x + least * least), math.sqrt(p_y * p_y + least * least)
