@@ -56,6 +56,34 @@ class Law:
         return ", ".join([name_of(type(self)).replace("-", " "), *told])
 
 
+class OfFunction(Law):
+    """Mixin of laws that are a plain `function`; what it closes over is compiled into it.
+
+    They have no numbers that could be swept or identified, and no file can say what they are: write a class for that.
+    """
+
+    function: Callable[..., Any]
+    """It takes what the law takes."""
+
+    @property
+    def formula(self) -> Formula:
+        """The function, which has no numbers."""
+        function: Any = getattr(self.function, "py_func", self.function)
+        if not hasattr(function, "__code__"):
+            raise BadArgument("function", f"must be a plain Python function, got {function!r}")
+
+        def call(law: Any, *given: Any) -> Any:
+            return function(*given)
+
+        call.__module__ = function.__module__
+        return Formula(name=function.__name__, function=call, fields=())
+
+    @property
+    def words(self) -> str:
+        """The function's name."""
+        return self.function.__name__
+
+
 @cache
 def _formula(kind: type[Any]) -> Formula:
     hints = hints_of(kind)

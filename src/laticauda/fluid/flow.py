@@ -20,9 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
-from laticauda.formulas import Formula, Law
+from laticauda.formulas import Formula, Law, OfFunction
 from laticauda.quantities import option, told, value
 
 FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
@@ -242,31 +241,13 @@ class Sum(Flow):
 
 
 @value
-class FunctionFlow(Flow):
+class FunctionFlow(OfFunction, Flow):
     """A plain function as a flow: it takes what a flow takes, and what it closes over is compiled into it.
 
     It has no numbers that could be swept, and no file can say what it is: write a class for that.
     """
 
     function: Callable[..., tuple[float, ...]] = option("f(x, y, z, t)")
-
-    @property
-    def formula(self) -> Formula:
-        """The function, which has no numbers."""
-        function: Any = getattr(self.function, "py_func", self.function)
-        if not hasattr(function, "__code__"):
-            raise BadArgument("function", f"must be a plain Python function, got {function!r}")
-
-        def call(law: Any, x: float, y: float, z: float, t: float) -> Any:
-            return function(x, y, z, t)
-
-        call.__module__ = function.__module__
-        return Formula(name=function.__name__, function=call, fields=())
-
-    @property
-    def words(self) -> str:
-        """The function's name."""
-        return self.function.__name__
 
 
 class Rows(NamedTuple):

@@ -13,13 +13,12 @@ then called trial by trial.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible
-from laticauda.formulas import Formula, Law
+from laticauda.formulas import Law, OfFunction
 from laticauda.quantities import option, quantity, value
 from laticauda.scalars import magnitude
 
@@ -217,7 +216,7 @@ class CoulombFriction(DragLaw):
 
 
 @value
-class FunctionDrag(DragLaw):
+class FunctionDrag(OfFunction, DragLaw):
     """A plain function as a law: it takes what a law takes, and what it closes over is compiled into it.
 
     It has no numbers that could be swept or identified, and no file can say what it is: write a class for that.
@@ -228,24 +227,6 @@ class FunctionDrag(DragLaw):
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """What the function says."""
         return self.function(v_t, v_n, across, rate, element)
-
-    @property
-    def formula(self) -> Formula:
-        """The function, which has no numbers."""
-        function: Any = getattr(self.function, "py_func", self.function)
-        if not hasattr(function, "__code__"):
-            raise BadArgument("function", f"must be a plain Python function, got {function!r}")
-
-        def call(law: Any, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Any:
-            return function(v_t, v_n, across, rate, element)
-
-        call.__module__ = function.__module__
-        return Formula(name=function.__name__, function=call, fields=())
-
-    @property
-    def words(self) -> str:
-        """The function's name."""
-        return self.function.__name__
 
 
 def plate(

@@ -1,6 +1,6 @@
 """How much of a body is under water, and where its center of buoyancy is, for a flat surface.
 
-Plain functions of numbers, or of three along the axes, which the kernels compile. Lengths are in the element's own axes,
+Plain functions of numbers and of threes along axes, which the kernels compile. Lengths are in the element's own axes,
 `up` is the world's upward direction in them, and `depth` is that of the element's middle below the surface. All return
 the share of the volume that is under water and the centroid of that part.
 
