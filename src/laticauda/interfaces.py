@@ -20,7 +20,7 @@ State = TypeVar("State")
 FAR = 1e5  # beyond it, digits of the motion are lost
 CONTROLLERS: dict[str, str] = {
     "path-following": "laticauda.control.path_following",
-    "spatial-path-following": "laticauda.control.spatial_following",
+    "spatial-path-following": "laticauda.control.path_following",
     "model-predictive": "laticauda.control.predictive",
     "offset-steps": "laticauda.control.averaging",
 }

@@ -69,7 +69,7 @@ def test_the_first_choice_is_that_of_brute_force_and_no_exchange_helps(seed):
 
 def test_a_chosen_design_is_better_than_random_ones_of_as_many_trials(choice):
     put, candidates = choice
-    added = information_of(put, candidates, put.start, None)
+    added = information_of(put, candidates, put.start)
     found = design(put, candidates, 3)
     mine = log_volume(sum(added[candidates.index(one)] for one, _ in found.steps))
     rng = np.random.default_rng(0)
@@ -91,7 +91,7 @@ def test_the_force_of_a_tow_says_the_friction_in_closed_form():
     tow = Tow(speed=0.3)
     candidate = from_tow(FINNED, WATER, tow, sigma=0.1, share=0.0)
     put = put_of([candidate], ["water.tangential_friction"])
-    (information,) = information_of(put, [candidate], put.start, None)
+    (information,) = information_of(put, [candidate], put.start)
     assert information[0, 0] == pytest.approx((towing_drag(FINNED, WATER, 0.3) / 0.1) ** 2, rel=0.3)
     without_fin = from_tow(ROBOT, WATER, tow, sigma=0.1, share=0.0)
     (information,) = information_of(
@@ -119,9 +119,9 @@ def test_a_robot_that_coasts_slows_down_as_the_closed_form_says():
 def test_a_coast_down_says_less_where_its_first_speed_has_to_be_found_too():
     one = coast_down(ROBOT, WATER, 0.4, duration=2.0)
     put = put_of([one], WANTED[:1])
-    (unsure,) = information_of(put, [one], put.start, None)
+    (unsure,) = information_of(put, [one], put.start)
     known = replace(one, free_start=False)
-    (sure,) = information_of(put, [known], put.start, None)
+    (sure,) = information_of(put, [known], put.start)
     assert 0.0 < unsure[0, 0] < 0.9 * sure[0, 0]
 
 
@@ -147,7 +147,7 @@ def test_the_speed_at_the_begin_can_be_identified():
 def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
     swimming = swims(ROBOT, gaits(5), WATER, {"path": 0.005}, duration=8.0)
     put = put_of(swimming, WANTED[:2])
-    information = information_of(put, swimming, put.start, None).sum(axis=0)
+    information = information_of(put, swimming, put.start).sum(axis=0)
     expected = sigma_of(information)
     rng = np.random.default_rng(3)
     runs = lc.swim_many(ROBOT, gaits(5), 8.0, environments=WATER)

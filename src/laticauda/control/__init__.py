@@ -12,12 +12,12 @@ from laticauda.control.guidance import Guidance as Guidance, HeadingController a
 from laticauda.control.guidance import HeadingEstimate as HeadingEstimate, LineOfSight as LineOfSight
 from laticauda.control.guidance import IntegralLineOfSight as IntegralLineOfSight
 from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
+from laticauda.control.path_following import SpatialPathFollowing as SpatialPathFollowing
+from laticauda.control.path_following import SpatialPathFollowingState as SpatialPathFollowingState
 from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
 from laticauda.control.paths import StraightLine as StraightLine
 from laticauda.control.predictive import ModelPredictive as ModelPredictive, PlanLimits as PlanLimits
 from laticauda.control.predictive import PredictiveState as PredictiveState
-from laticauda.control.spatial_following import SpatialPathFollowing as SpatialPathFollowing
-from laticauda.control.spatial_following import SpatialPathFollowingState as SpatialPathFollowingState
 from laticauda.packaging import lazy_exports
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -6,9 +6,8 @@ from typing import Any, Literal
 from laticauda.control.current import CurrentObserver
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
-from laticauda.control.path_following import PathFollowing
+from laticauda.control.path_following import PathFollowing, SpatialPathFollowing
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
-from laticauda.control.spatial_following import SpatialPathFollowing
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.quantities import option, quantity, value
