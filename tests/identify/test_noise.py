@@ -78,4 +78,4 @@ def test_correlated_residuals_are_said_and_widen_every_interval():
     low, high = found[FRICTION].interval
     assert low < TRUE < high
     likely = profile(found, FRICTION)
-    assert np.log(likely.high / likely.low) == pytest.approx(np.log(high / low), rel=0.1)
+    assert np.log(likely[1] / likely[0]) == pytest.approx(np.log(high / low), rel=0.1)

@@ -28,27 +28,6 @@ _COMPLEX_STEP = 1e-30
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CurrentEstimate:
-    """A current, and how well it is known."""
-
-    velocity: Array
-    """x, y, world axes [m/s]."""
-    covariance: Array
-    """Of these, shape (2, 2) [m^2/s^2]."""
-
-    @property
-    def std(self) -> Array:
-        """Standard deviations of x and y [m/s]."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def signals(self) -> dict[str, float]:
-        """All of it but the correlation, for a log."""
-        names = ("drift_x", "drift_y", "drift_x_std", "drift_y_std")
-        return dict(zip(names, (*self.velocity.tolist(), *self.std.tolist()), strict=True))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class ObserverState:
     """What is believed, and how firmly."""
 
@@ -109,11 +88,12 @@ class CurrentObserver:
         covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
         return _corrected(observation, mean, covariance, self.model.bend)
 
-    def estimate(self, state: ObserverState) -> CurrentEstimate:
-        """The current where the robot is, as `state` has it."""
+    def signals(self, state: ObserverState) -> dict[str, float]:
+        """The current where the robot is, as `state` has it, and its standard deviations along x and y, for a log."""
         ahead = np.array([math.cos(state.mean[PSI]), math.sin(state.mean[PSI])])
         covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(ahead, ahead)
-        return CurrentEstimate(velocity=state.drift, covariance=covariance)
+        names = ("drift_x", "drift_y", "drift_x_std", "drift_y_std")
+        return dict(zip(names, (*state.drift.tolist(), *np.sqrt(np.diag(covariance)).tolist()), strict=True))
 
     def _after(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
         moved = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)

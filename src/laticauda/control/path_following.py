@@ -129,7 +129,7 @@ class PathFollowing(Controller[PathFollowingState]):
         speed = max(float(seen.mean[SPEED]), _SLOWEST * self.observer.model.speed(frequency, 0.0))
         angle, is_limited = crab_angle(course, seen.drift, speed, self.max_crab_angle)
         crab = {"crab_angle": angle, "is_crab_limited": float(is_limited)}
-        return seen, self.observer.estimate(seen).signals | crab
+        return seen, self.observer.signals(seen) | crab
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

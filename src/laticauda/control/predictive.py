@@ -259,7 +259,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
                 "heading_ref": heading_ref,
                 "heading_used": self._heading(seen),
                 **raw.signals,
-                **observer.estimate(seen).signals,
+                **observer.signals(seen),
                 "frequency": frequency,
                 "offset": offset,
                 "is_saturated": float(abs(offset) >= self.max_offset - 1e-9),

@@ -17,23 +17,16 @@ _FAR = 1e3  # sizes, beyond which no end is looked for, and standard deviations
 _FIRST = 0.5  # a first step on a direction without curvature, in sizes
 
 
-@dataclass(frozen=True, kw_only=True)
-class Profile:
-    """A confidence interval from the likelihood itself, with all other unknowns fitted anew at its ends."""
-
-    name: str
-    """Of the unknown."""
-    low: float | None
-    """Lower end; None: every value down to the end of its range describes the data as well."""
-    high: float | None
-    """Upper end; None as for the lower one."""
+Ends = tuple[float | None, float | None]
+"""Of an interval; None: every value up to the end of its range describes the data as well."""
 
 
-def profile(found: Fit, name: str) -> Profile:
+def profile(found: Fit, name: str) -> Ends:
     """The values of one unknown at which the sum of squares is less than q^2 above its minimum.
 
     q is the quantile that the fit's own intervals use. Where the model is far from linear within the uncertainty, this
-    interval holds the truth more exactly than the one from the covariance; it costs some ten searches.
+    interval holds the truth more exactly than the one from the covariance; it costs some ten searches, as all other
+    unknowns are fitted anew at its ends.
 
     Args:
         found: The fit.
@@ -44,8 +37,7 @@ def profile(found: Fit, name: str) -> Profile:
     """
     names = found.problem.names
     k = names.index(one_of("name", name, names))
-    low, high = (_end(found, k, sign) for sign in (-1.0, 1.0))
-    return Profile(name=name, low=low, high=high)
+    return _end(found, k, -1.0), _end(found, k, 1.0)
 
 
 def _end(found: Fit, k: int, sign: float) -> float | None:

@@ -1,7 +1,7 @@
 """Can the model predict what it was not fitted to? Refits without one measurement or one group, beside null models."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -120,8 +120,8 @@ class Validation:
     """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
     null_models: tuple[NullModel, ...]
     """Models without physics on the same speeds."""
-    profiles: tuple[uncertainty.Profile, ...]
-    """Intervals from the likelihood itself, if asked for."""
+    profiles: Mapping[str, uncertainty.Ends]
+    """By name of the unknown, intervals from the likelihood itself, if asked for."""
 
     @property
     def errors(self) -> dict[str, float | None]:
@@ -157,7 +157,7 @@ def validate(
     def part(what: str) -> Callable[[float], None]:
         return lambda share: None if progress is None else progress(what, share)
 
-    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, list[uncertainty.Profile]()
+    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, dict[str, uncertainty.Ends]()
     is_whole = fitting.INTERRUPTED not in found.warnings
     shown = found.problem.of_interest if profiles and is_whole else []
     try:
@@ -167,10 +167,11 @@ def validate(
         if by_group and is_whole and _suffices(found, found.problem.groups):
             groups = leave_out(found, "group", progress=part("groups left out"))
         for done, k in enumerate(shown):
-            kept.append(uncertainty.profile(found, found.estimates[k].name))
+            name = found.estimates[k].name
+            kept[name] = uncertainty.profile(found, name)
             part("profiles")((done + 1) / len(shown))
     except KeyboardInterrupt:
-        found, kept = replace(found, warnings=(fitting.INTERRUPTED, *found.warnings)), []
+        found, kept = replace(found, warnings=(fitting.INTERRUPTED, *found.warnings)), {}
     return Validation(
         task=task,
         found=found,
@@ -178,7 +179,7 @@ def validate(
         is_linearized=is_linearized,
         by_group=groups,
         null_models=compared_with_null_models(found),
-        profiles=tuple(kept),
+        profiles=kept,
     )
 
 

@@ -76,11 +76,10 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         command: What made it.
     """
     found = done.found
-    profiles = {one.name: [one.low, one.high] for one in done.profiles}
     return {
         "status": found.status,
         "parameters": [row | {"best": found.values[row["name"]]} for row in found.table()],
-        "profiles": profiles,
+        "profiles": {**done.profiles},
         "correlations": {
             "names": list(found.problem.names),
             "matrix": [[finite(value) for value in row] for row in found.correlations.tolist()],
@@ -153,7 +152,7 @@ def identification_tables(done: Validation) -> dict[str, list[Row]]:
 
 def _parameters(done: Validation) -> list[Row]:
     """Values, uncertainties and what is to be known about them."""
-    found, profiles = done.found, {one.name: one for one in done.profiles}
+    found = done.found
     rows: list[Row] = []
     for k in found.problem.of_interest:
         unknown, estimate = found.problem.unknowns[k], found.estimates[k]
@@ -161,8 +160,8 @@ def _parameters(done: Validation) -> list[Row]:
         tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
         notes = (estimate.note.replace("`", ""), f"with it change: {tied}" if tied else "")
         row = _value_of(estimate) | {f"{100 * found.method.confidence:g} % interval, low": low, "high": high}
-        if profiles:
-            row |= {"profile, low": profiles[estimate.name].low, "profile, high": profiles[estimate.name].high}
+        if done.profiles:
+            row |= dict(zip(("profile, low", "profile, high"), done.profiles[estimate.name], strict=True))
         row["prior"] = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
         row["range"] = f"{_end(unknown.lower)} to {_end(unknown.upper)}"
         row["note"] = "; ".join(filter(None, notes)) or "-"

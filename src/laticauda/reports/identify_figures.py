@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from laticauda.identify import Fit
+    from laticauda.identify.uncertainty import Ends
     from laticauda.identify.validation import Validation
 
 _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
@@ -107,12 +108,11 @@ def _residuals(found: "Fit") -> "Figure":
 
 def _intervals(done: "Validation") -> "Figure":
     found, shown = done.found, done.found.problem.of_interest
-    profiles = {one.name: (one.low, one.high) for one in done.profiles}
     rows: dict[str, tuple[draw.Ends | None, draw.Ends | None]] = {}
     for k, label in zip(shown, short_names([found.problem.names[k] for k in shown]), strict=True):
         estimate = found.estimates[k]
         best = estimate.value or 1.0
-        plain, profile = estimate.interval if best >= 0.0 else None, profiles.get(estimate.name)
+        plain, profile = estimate.interval if best >= 0.0 else None, done.profiles.get(estimate.name)
         rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
     ax = draw.intervals(rows, figure.subplots(), confidence=found.method.confidence)
@@ -120,7 +120,7 @@ def _intervals(done: "Validation") -> "Figure":
     return figure
 
 
-def _share(ends: "tuple[float | None, float | None] | None", best: float) -> draw.Ends | None:
+def _share(ends: "Ends | None", best: float) -> draw.Ends | None:
     return None if ends is None else np.array(ends, dtype=float) / best
 
 
