@@ -4,7 +4,8 @@ from derivatives import by_differences, check_compiled, check_complex_steps
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from laticauda.actuation import motor_power, pd, servo
+from laticauda import actuation
+from laticauda.actuation import Drive, motor_power
 from laticauda.robot import Actuator
 
 angles = st.floats(-1.5, 1.5)
@@ -14,6 +15,18 @@ frictions = st.floats(0.0, 1.0)
 
 ANGLE, RATE = 0, 1
 STALL, SPEED = 2.9, 7.5
+
+published, servo_of = actuation.PD.__call__, actuation.servo
+
+
+def pd(angle, rate, reference, reference_rate, acceleration, k_p, k_d):
+    drive = Drive(k_p, k_d, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return published(0.0, angle, rate, reference, reference_rate, acceleration, drive)
+
+
+def servo(angle, rate, reference, gain, stall_torque, no_load_speed, friction_torque, viscous_friction):
+    drive = Drive(0.0, 0.0, gain, stall_torque, no_load_speed, friction_torque, viscous_friction)
+    return servo_of(angle, rate, reference, drive)
 
 
 def mambas(angle: float, rate: float, reference: float, **friction: float) -> tuple[float, float, float, float]:

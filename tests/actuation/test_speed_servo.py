@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import laticauda as lc
-from laticauda.actuation import Drive, JointLaw, Servo, SpeedServo, motor_power, servo, speed_servo
+from laticauda import actuation
+from laticauda.actuation import Drive, JointLaw, Servo, SpeedServo, motor_power
 from laticauda.codec import decode, encode
 from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia
 from laticauda.robot import Actuator, Joint, load_robot
@@ -29,6 +31,25 @@ everything = st.tuples(
 LIMIT, STALL, SPEED = 0.7, 2.9, 7.5
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 SLOW = SpeedServo(speed_limit=LIMIT, position_gain=4.0, speed_gain=20.0)
+
+law_of = actuation.speed_servo
+
+
+class Loops(NamedTuple):
+    """What the law has of its own, complex numbers too."""
+
+    position_gain: float
+    speed_limit: float
+    speed_gain: float
+
+
+def speed_servo(angle, rate, reference, position_gain, speed_limit, speed_gain, stall, speed, dry, viscous):
+    loops, drive = Loops(position_gain, speed_limit, speed_gain), Drive(0.0, 0.0, 0.0, stall, speed, dry, viscous)
+    return law_of(angle, rate, reference, loops, drive)
+
+
+def servo(angle, rate, reference, gain, stall, speed, dry, viscous):
+    return actuation.servo(angle, rate, reference, Drive(0.0, 0.0, gain, stall, speed, dry, viscous))
 
 
 def mambas(angle, rate, reference, *, dry=0.0, viscous=0.0):

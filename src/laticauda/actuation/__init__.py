@@ -1,6 +1,6 @@
 """Actuators: joint laws as values, their torques as scalar functions, and the power that their motors draw."""
 
-from laticauda.actuation.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, pd, servo
+from laticauda.actuation.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, servo
 from laticauda.actuation.speed_servo import SpeedServo, speed_servo
 
-__all__ = ["PD", "Drive", "JointLaw", "Prescribed", "Servo", "SpeedServo", "motor_power", "pd", "servo", "speed_servo"]
+__all__ = ["PD", "Drive", "JointLaw", "Prescribed", "Servo", "SpeedServo", "motor_power", "servo", "speed_servo"]

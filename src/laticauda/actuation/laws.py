@@ -148,7 +148,13 @@ class Prescribed(JointLaw):
 
 @value
 class PD(JointLaw):
-    """By the law of the published simulations, see `pd`."""
+    """By the law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
+
+    There is no limit to its torque; phi_ref'' is fed forward with an inertia of 1 kg m^2, whatever the robot's is.
+
+    References:
+        E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
+    """
 
     remedy: ClassVar[str] = "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`"
 
@@ -161,9 +167,9 @@ class PD(JointLaw):
         reference_acceleration: float,
         drive: Drive,
     ) -> tuple[float, float, float]:
-        """See `pd`."""
-        motion = angle, rate, reference, reference_rate, reference_acceleration
-        return pd(*motion, drive.proportional_gain, drive.derivative_gain)
+        """u, K_p and K_d, see `JointLaw.__call__`."""
+        k_p, k_d = drive.proportional_gain, drive.derivative_gain
+        return reference_acceleration + k_d * (reference_rate - rate) + k_p * (reference - angle), k_p, k_d
 
     @property
     def words(self) -> str:
@@ -189,7 +195,7 @@ class Servo(JointLaw):
         drive: Drive,
     ) -> tuple[float, float, float]:
         """See `servo`."""
-        return servo(angle, rate, reference, *drive[2:])[:3]
+        return servo(angle, rate, reference, drive)[:3]
 
     def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
         """Share of the supply's voltage that the motor gets, from -1 to 1 [-].
@@ -200,7 +206,7 @@ class Servo(JointLaw):
             reference: phi_ref [rad].
             drive: What the joint's actuator is.
         """
-        return servo(angle, rate, reference, *drive[2:])[3]
+        return servo(angle, rate, reference, drive)[3]
 
     @property
     def words(self) -> str:
@@ -208,50 +214,7 @@ class Servo(JointLaw):
         return "servos in the joints"
 
 
-def pd(
-    angle: float,
-    rate: float,
-    reference: float,
-    reference_rate: float,
-    reference_acceleration: float,
-    proportional_gain: float,
-    derivative_gain: float,
-) -> tuple[float, float, float]:
-    """The law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
-
-    There is no limit to its torque.
-
-    Args:
-        angle: phi [rad].
-        rate: phi' [rad/s].
-        reference: phi_ref [rad].
-        reference_rate: phi_ref' [rad/s].
-        reference_acceleration: phi_ref'' [rad/s^2]; fed forward with an inertia of 1 kg m^2, whatever the robot's is.
-        proportional_gain: k_p [N m/rad].
-        derivative_gain: k_d [N m s/rad].
-
-    Returns:
-        u [N m], K_p [N m/rad], K_d [N m s/rad].
-
-    References:
-        E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
-    """
-    torque = (
-        reference_acceleration + derivative_gain * (reference_rate - rate) + proportional_gain * (reference - angle)
-    )
-    return torque, proportional_gain, derivative_gain
-
-
-def servo(
-    angle: float,
-    rate: float,
-    reference: float,
-    gain: float,
-    stall_torque: float,
-    no_load_speed: float,
-    friction_torque: float,
-    viscous_friction: float,
-) -> tuple[float, float, float, float]:
+def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[float, float, float, float]:
     """A hobby servo: proportional control of a geared DC motor through its duty cycle.
 
         d = clip(gain (phi_ref - phi), -1, 1)
@@ -264,26 +227,21 @@ def servo(
         angle: phi [rad].
         rate: phi' [rad/s].
         reference: phi_ref [rad].
-        gain: Duty per angle error [1/rad].
-        stall_torque: u_stall [N m].
-        no_load_speed: phi'_0 [rad/s].
-        friction_torque: u_c, dry friction of the gear [N m].
-        viscous_friction: b [N m s/rad].
+        drive: What the joint's actuator is: its gain, u_stall, phi'_0, u_c and b.
 
     Returns:
         u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the duty saturates, K_p = 0.
     """
+    gain, stall_torque, viscous_friction = drive.servo_gain, drive.stall_torque, drive.viscous_friction
     demand = gain * (reference - angle)
     saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
     # 0 * demand keeps the number's kind, real or complex, for the compiler.
     limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
     duty = where(saturated, limit, demand)
     stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
-    sliding = np.tanh(rate / SLIDING_RATE)
-    torque = stall_torque * (duty - rate / no_load_speed) - viscous_friction * rate - friction_torque * sliding
-    damping = (
-        stall_torque / no_load_speed + viscous_friction + friction_torque / SLIDING_RATE * (1.0 - sliding * sliding)
-    )
+    sliding, dry = np.tanh(rate / SLIDING_RATE), drive.friction_torque
+    torque = stall_torque * (duty - rate / drive.no_load_speed) - viscous_friction * rate - dry * sliding
+    damping = stall_torque / drive.no_load_speed + viscous_friction + dry / SLIDING_RATE * (1.0 - sliding * sliding)
     return torque, stiffness, damping, duty
 
 

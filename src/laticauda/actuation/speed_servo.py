@@ -37,8 +37,7 @@ class SpeedServo(Servo):
         drive: Drive,
     ) -> tuple[float, float, float]:
         """See `speed_servo`."""
-        loops = self.position_gain, self.speed_limit, self.speed_gain
-        return speed_servo(angle, rate, reference, *loops, *drive[3:])[:3]
+        return speed_servo(angle, rate, reference, self, drive)[:3]
 
     def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
         """Share of the supply's voltage that the motor gets, from -1 to 1 [-].
@@ -49,8 +48,7 @@ class SpeedServo(Servo):
             reference: phi_ref [rad].
             drive: What the joint's actuator is.
         """
-        loops = self.position_gain, self.speed_limit, self.speed_gain
-        return speed_servo(angle, rate, reference, *loops, *drive[3:])[3]
+        return speed_servo(angle, rate, reference, self, drive)[3]
 
     @property
     def words(self) -> str:
@@ -59,16 +57,7 @@ class SpeedServo(Servo):
 
 
 def speed_servo(
-    angle: float,
-    rate: float,
-    reference: float,
-    position_gain: float,
-    speed_limit: float,
-    speed_gain: float,
-    stall_torque: float,
-    no_load_speed: float,
-    friction_torque: float,
-    viscous_friction: float,
+    angle: float, rate: float, reference: float, law: SpeedServo, drive: Drive
 ) -> tuple[float, float, float, float]:
     """A position loop around a speed loop around a geared DC motor.
 
@@ -91,17 +80,14 @@ def speed_servo(
         angle: phi [rad].
         rate: phi' [rad/s].
         reference: phi_ref [rad].
-        position_gain: k_w [1/s].
-        speed_limit: w_max [rad/s].
-        speed_gain: k_u [N m s/rad].
-        stall_torque: u_stall; 0: the motor is off [N m].
-        no_load_speed: phi'_0 [rad/s].
-        friction_torque: u_c, dry friction of the gear [N m].
-        viscous_friction: b [N m s/rad].
+        law: Has k_w, w_max and k_u.
+        drive: What the joint's actuator is: its u_stall (0: the motor is off), phi'_0, u_c and b.
 
     Returns:
         u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the rate asked for is at its limit, K_p = 0.
     """
+    position_gain, speed_limit, speed_gain = law.position_gain, law.speed_limit, law.speed_gain
+    stall_torque, no_load_speed, friction_torque, viscous_friction = drive[3:]
     aim = position_gain * (reference - angle)
     saturated = (aim.real <= -speed_limit.real) | (aim.real >= speed_limit.real)
     # 0 * aim keeps the number's kind, real or complex, for the compiler.
