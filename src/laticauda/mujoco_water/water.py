@@ -6,22 +6,27 @@ scratch memory is the data's own stack.
 """
 
 import copyreg
+import hashlib
 import weakref
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
+from pathlib import Path
 from threading import Lock
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from laticauda.compiling.formulas import digest_of
+from laticauda.compiling.templates import load, sources_digest
 from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
 from laticauda.fluid.flow import Flow, FunctionFlow, rows_of
+from laticauda.fluid.laws import DragLaw
+from laticauda.formulas import Formula
 from laticauda.mujoco_water import hydrostatics, native, registry, sensors
 from laticauda.mujoco_water import table as rows
 from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose, warn_of
 from laticauda.mujoco_water.elements import Element, geom_elements
-from laticauda.mujoco_water.functions import compiled_flow, compiled_law
 from laticauda.mujoco_water.ground import Terrain
 
 Current: TypeAlias = Flow | Callable[[float, float, float, float], tuple[float, ...]] | Sequence[float]
@@ -220,7 +225,7 @@ def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, fl
         if number is None:
             flow = velocity if isinstance(velocity, Flow) else FunctionFlow(function=velocity)
             parts, number = rows_of(flow), 1 + max(given, default=0)
-            entry = compiled_flow(flow, parts.kinds)
+            entry = _entry(flow, parts.kinds, flow=parts.kinds)
             record = number, entry.address, parts.numbers.ctypes.data
             given[number] = velocity, entry, parts
             numbers["flows"].reshape(-1, 3)[number % rows.MOST_FLOWS] = record
@@ -290,7 +295,7 @@ def _table(
         "element_body": bodies.astype(np.int64),
         "elements": np.concatenate([_record(element) for element in elements]),
         "water": water,
-        "laws": np.array([compiled_law(element.law).address for element in elements], dtype=np.int64),
+        "laws": np.array([_entry(e.law, [e.law.formula], law=e.law.formula).address for e in elements], dtype=np.int64),
     }
     records = arrays["elements"].reshape(-1, rows.ELEMENT_SIZE)
     rigid = model.body_weldid  # bodies without a joint between them are one
@@ -317,3 +322,22 @@ def _record(element: Element) -> np.ndarray:
         values = np.ravel(other[name] if name in other else getattr(source, name))
         record[place : place + values.size] = values
     return record
+
+
+# ---- laws and flows as functions that the callback calls by their address --------------------------------------------
+
+_entries: dict[str, Any] = {}
+
+
+def _entry(law: DragLaw | Flow, formulas: Sequence[Formula], /, **names: Any) -> Any:
+    """A cfunc of two addresses, for a law, which is checked, or for one of the same formulas.
+
+    They are of what `table.LOADS` numbers a law gets, its loads behind them, or of place and time, what is felt there
+    behind them; and of the law's own numbers, or those of a flow's parts. `names` are what law_entry.py is made with.
+    """
+    made_of = [*names, *map(digest_of, formulas), sources_digest("laticauda.mujoco_water.law_entry")]
+    key = hashlib.sha256(" ".join(made_of).encode()).hexdigest()[:16]
+    if key not in _entries:
+        law.check()
+        _entries[key] = load(Path(__file__).with_name("law_entry.py"), key, names).call
+    return _entries[key]
