@@ -8,7 +8,6 @@ tells them: one gait, and offsets that are held one after the other.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,30 +25,41 @@ EXPONENTS = (1.0, 4.0)
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-class _Cycles(NamedTuple):
+class _Cycles:
     """One trial, at the begin of every whole cycle in it, a tenth of a period apart."""
 
-    time: Array
-    offset: Array
-    frequency: float
-    begin: Array
-    turning: Array
-    heading: Array
-    velocity: tuple[Array, Array]
-    power: Array
+    def __init__(self, trial: Trial) -> None:
+        assert trial.gait is not None
+        self.time, self.offset, self.frequency = trial.time - trial.time[0], _offset(trial), trial.gait.frequency
+        self.period = 2.0 * math.pi / self.frequency
+        self.begin = np.arange(0.0, self.time[-1] - self.period + 1e-9, 0.1 * self.period)
+        current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
+        self.velocity = [self.change(trial.center_of_mass[:, i]) - current[i] for i in range(2)]
+        steps = 0.5 * (trial.heading[1:] + trial.heading[:-1]) * np.diff(self.time)
+        self.heading, self.turning = self.change(np.append(0.0, np.cumsum(steps))), self.change(trial.heading)
+        self.power = self.change(trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work)
+
+    def change(self, values: Array) -> Array:
+        """Mean rate over each cycle of a signal at the samples, (q(t + T) - q(t)) / T."""
+        before, after = (np.interp(at, self.time, values) for at in (self.begin, self.begin + self.period))
+        return (after - before) / self.period
 
     def mean(self, values: Array) -> Array:
         """Mean over each cycle of a signal that is given at the samples, held until the next."""
-        total = np.concatenate(([0.0], np.cumsum(values[:-1] * np.diff(self.time))))
-        return _over_cycle(self.time, total, self.begin, 2.0 * math.pi / self.frequency)
+        return self.change(np.append(0.0, np.cumsum(values[:-1] * np.diff(self.time))))
 
-    def change(self, values: Array) -> Array:
-        """Mean rate over each cycle of a signal at the samples."""
-        return _over_cycle(self.time, values, self.begin, 2.0 * math.pi / self.frequency)
+    def late(self, lag: float, power: int = 1) -> Array:
+        """What a first-order lag makes of the offset, or of a power of it, held from sample to sample; 0 at first."""
+        late, now = np.empty_like(self.offset), 0.0
+        keeps = np.exp(-np.diff(self.time, append=self.time[-1]) / lag)
+        for k, (held, keep) in enumerate(zip(self.offset**power, keeps, strict=True)):
+            late[k] = now
+            now = held + (now - held) * keep
+        return late
 
     def motion(self, bend: float, lag: float) -> tuple[Array, Array]:
         """Mean velocity over each cycle, along psi and to its left [m/s]."""
-        psi = self.heading - bend * self.mean(_late(self.time, self.offset, lag))
+        psi = self.heading - bend * self.mean(self.late(lag))
         (vx, vy), c, s = self.velocity, np.cos(psi), np.sin(psi)
         return vx * c + vy * s, vy * c - vx * s
 
@@ -70,12 +80,12 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
         ValueError: If the trials do not tell: too few frequencies, no turn, no whole cycle, another shape of gait.
     """
     _check(trials)
-    cycles = [_cycles(trial) for trial in trials]
+    cycles = [*map(_Cycles, trials)]
     every = np.concatenate
     f = every([np.full(part.begin.size, part.frequency) for part in cycles])
 
     def turn_basis(lag: float) -> Array:
-        bent = [_late(part.time, part.offset, lag) for part in cycles]
+        bent = [part.late(lag) for part in cycles]
         mean = every([part.mean(values) for part, values in zip(cycles, bent, strict=True)])
         jump = every([part.change(values) for part, values in zip(cycles, bent, strict=True)])
         return np.stack([mean, f * mean, jump], axis=1)
@@ -85,18 +95,18 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
     surge, aside = (every([pair[i] for pair in motion]) for i in range(2))
 
     def sway_basis(lag: float) -> Array:
-        late = [part.mean(_late(part.time, part.offset, lag)) * (turn_0 + turn_1 * part.frequency) for part in cycles]
+        late = [part.mean(part.late(lag)) * (turn_0 + turn_1 * part.frequency) for part in cycles]
         return every(late)[:, np.newaxis]
 
     def speed_basis(lag: float) -> Array:
-        late = [[part.mean(_late(part.time, part.offset**n, lag)) for part in cycles] for n in (0, 2)]
+        late = [[part.mean(part.late(lag, n)) for part in cycles] for n in (0, 2)]
         one, square = every(late[0]), every(late[1])
         return np.stack([one, f * one, f * square], axis=1)
 
     def power_basis(exponent: float) -> Array:
         square = every([part.mean(part.offset**2) for part in cycles])
         # Bending takes work too, which a plan that limits the offset's rate can leave out: solved for, and let go.
-        bending = every([part.mean((part.offset - _late(part.time, part.offset, bend_lag)) ** 2) for part in cycles])
+        bending = every([part.mean((part.offset - part.late(bend_lag)) ** 2) for part in cycles])
         return np.stack([np.ones_like(f), f**exponent, f**exponent * square, bending], axis=1)
 
     speed_lag, speed = _searched(speed_basis, surge, LAGS)
@@ -146,42 +156,6 @@ def _offset(trial: Trial) -> Array:
     """phi_0 at the samples [rad]."""
     assert trial.gait is not None
     return trial.signals.get("offset", np.zeros_like(trial.time)) + trial.gait.offset
-
-
-def _cycles(trial: Trial) -> _Cycles:
-    assert trial.gait is not None
-    time, period = trial.time - trial.time[0], 2.0 * math.pi / trial.gait.frequency
-    begin = np.arange(0.0, time[-1] - period + 1e-9, 0.1 * period)
-    current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
-    vx, vy = (_over_cycle(time, trial.center_of_mass[:, i], begin, period) - current[i] for i in range(2))
-    steps = 0.5 * (trial.heading[1:] + trial.heading[:-1]) * np.diff(time)
-    heading = _over_cycle(time, np.concatenate(([0.0], np.cumsum(steps))), begin, period)
-    spent = trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work
-    return _Cycles(
-        time=time,
-        offset=_offset(trial),
-        frequency=trial.gait.frequency,
-        begin=begin,
-        turning=_over_cycle(time, trial.heading, begin, period),
-        heading=heading,
-        velocity=(vx, vy),
-        power=_over_cycle(time, spent, begin, period),
-    )
-
-
-def _over_cycle(time: Array, values: Array, begin: Array, period: float) -> Array:
-    """(q(t + T) - q(t)) / T."""
-    return (np.interp(begin + period, time, values) - np.interp(begin, time, values)) / period
-
-
-def _late(time: Array, values: Array, lag: float) -> Array:
-    """What a first-order lag makes of a signal that is held from sample to sample, from 0 at the start."""
-    late = np.empty_like(values)
-    now = 0.0
-    for k, (held, keep) in enumerate(zip(values, np.exp(-np.diff(time, append=time[-1]) / lag), strict=True)):
-        late[k] = now
-        now = held + (now - held) * keep
-    return late
 
 
 def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, float]) -> tuple[float, list[float]]:
