@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import laticauda as lc
@@ -105,6 +105,7 @@ def test_a_robot_that_points_upstream_goes_where_it_is_to_go_unless_the_current_
         [[math.cos(course), -math.sin(course)], [math.sin(course), math.cos(course)]]
     )
     assert abs(angle) <= most
+    assume(abs(ahead) > 1e-12)  # a current that leaves no way forward to the last digit may be said to be either
     if not is_limited:
         assert ahead > 0.0
         assert beside == pytest.approx(0.0, abs=1e-9)

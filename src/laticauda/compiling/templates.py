@@ -27,6 +27,7 @@ from laticauda.formulas import Formula
 PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}
 _loaded: dict[tuple[str, str, Target], ModuleType] = {}
+_specialized: dict[tuple[str, str, Target], ModuleType] = {}
 _one_at_a_time = threading.Lock()
 
 
@@ -127,9 +128,10 @@ def specialized(
         names: What they are: a number, a law's formula, or None.
         target: What to compile for; None for this machine's processor.
     """
-    folder, target = PACKAGE.joinpath(*package.split(".")[1:]), target or PROCESSOR
-    digests = {name: _made_of(one) for name, one in names.items()}
-    found: dict[str, Any] = dict(names)
+    target, digests = target or PROCESSOR, {name: _made_of(one) for name, one in names.items()}
+    if (known := _specialized.get((package, str(digests), target))) is not None:
+        return known
+    folder, found = PACKAGE.joinpath(*package.split(".")[1:]), dict[str, Any](names)
     template = ""
     with _one_at_a_time, compiling_for(target):
         sources = sources_digest(*(f"{package}.{template}" for template in made_for))
@@ -143,7 +145,7 @@ def specialized(
                     setattr(module, name, target.instead[name])
                 _loaded[template, key, target] = module
             found[template] = _loaded[template, key, target]
-    return found[template]
+    return _specialized.setdefault((package, str(digests), target), found[template])
 
 
 def _made_of(one: object) -> object:

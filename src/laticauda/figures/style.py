@@ -59,7 +59,7 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
     """Write a figure to one file or several; the same figure always gives the same files.
 
     Args:
-        figure: Any figure; its layout is settled by the first file.
+        figure: Any figure; its layout is settled here.
         paths: Their endings, .png or .pdf, say the formats.
 
     Raises:
@@ -67,10 +67,15 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
     """
     # A date or a version in the file would make every one different.
     metadata: dict[str, Any] = {".png": {"Software": None}, ".pdf": {"CreationDate": None, "Creator": None}}
+    if (layout := figure.get_layout_engine()) is not None:
+        before = figure.get_dpi()
+        figure.set_dpi(DOTS_PER_INCH)
+        layout.execute(figure)
+        figure.set_dpi(before)
+        figure.set_layout_engine("none")  # settled: else matplotlib draws all of it once more, for the layout alone
     for path in paths:
         about = metadata.get(Path(path).suffix.lower())
         write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
-        figure.set_layout_engine("none")  # settled: a third of the time of the next file
 
 
 def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:

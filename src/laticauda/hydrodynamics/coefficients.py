@@ -91,8 +91,8 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
     Raises:
         ValueError: If the water's depth does not cover a link or the fin.
     """
-    half_length = np.array([module.half_length for module in robot.modules])
-    mass = np.array([module.mass for module in robot.modules])
+    known = {id(one): (one.half_length, one.mass, one.volume) for one in {id(m): m for m in robot.modules}.values()}
+    half_length, mass, volume = np.array([known[id(module)] for module in robot.modules]).T
     fin = robot.caudal_fin
     if isinstance(environment, Ground):
         loads, density = _ground_loads(mass, environment), 0.0
@@ -100,8 +100,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
     else:
         loads, density = _loads_in_water(robot.modules, half_length, environment), environment.density
         strips = _fin_in_water(fin, environment) if fin else None
-    displaced = density * np.array([module.volume for module in robot.modules])
-    return _coefficients(half_length, half_length, mass, loads, displaced, strips)
+    return _coefficients(half_length, half_length, mass, loads, density * volume, strips)
 
 
 def immersion_factor(half_height: float, depth: float | None) -> float:

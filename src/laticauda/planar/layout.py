@@ -51,12 +51,11 @@ class _Part(NamedTuple):
     inertia: float
 
 
-@dataclass(kw_only=True)
-class _Body:
+class _Body(NamedTuple):
     """One rigid body of the chain while the array is being put together."""
 
     length: float
-    parts: list[_Part]
+    parts: tuple[_Part, ...]
     strips: Coefficients | None = None
     """Positions are those from the body's tail end."""
     law: int = rows.LOCKED
@@ -88,37 +87,36 @@ def layout(
     links, fin = _links_and_fin(robot, coefficients, joints)
     bodies = [*reversed(fin), *links]
     n = len(bodies)
-    first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
-    first_plate = np.zeros(n + 1, dtype=int)
-    for plate in robot.pectoral_fins:
-        first_plate[plate.link + len(fin) + 1 :] += 1
+    first_strip = [0, *accumulate(body.strips.mass.size if body.strips else 0 for body in bodies)]
+    on_links = [plate.link + len(fin) for plate in robot.pectoral_fins]
+    first_plate = [sum(body < i for body in on_links) for i in range(n + 1)]
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
     _write_environment(S, environment, robot, joints, folded=not fin)
     records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
     strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
     _write_bodies(records, bodies, coefficients, environment)
-    records[:, rows.HEADING_SHARE] = (len(links) - np.maximum(np.arange(n) - len(fin), 0)) / len(links)
+    records[:, rows.HEADING_SHARE] = [(len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)]
     for i, body in enumerate(bodies):
         if body.strips is not None:
-            water = body.strips
-            loads = water.c_t, water.c_n, water.lambda_2, water.lambda_3, water.mu_t, water.mu_n, water.displaced
-            own = np.stack((water.position, *loads), axis=1)
-            strips[first_strip[i] : first_strip[i + 1], : rows.STRIP_DISPLACED + 1] = own
+            own = strips[first_strip[i] : first_strip[i + 1]]
+            own[:, 0], own[:, 1 : rows.STRIP_DISPLACED + 1] = body.strips.position, _loads(body.strips).T
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers
     S[rows.FLOW] = S.size
-    wake = isinstance(environment, robots.Water) and environment.trailing_edge != "none"
-    pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
+    tether = robot.tether
+    pulled = isinstance(environment, robots.Water) and (
+        environment.trailing_edge != "none" or tether.drag > 0.0 or any(tether.force)
+    )
     return Layout(
         template=np.concatenate((S, flow)),
         n_bodies=n,
-        first_strip=first_strip,
-        first_plate=first_plate,
+        first_strip=np.array(first_strip),
+        first_plate=np.array(first_plate),
         law=law,
         tail_link=len(fin),
-        has_extras=bool(robot.thrusters or first_strip[-1] or first_plate[-1] or wake or pulled),
+        has_extras=bool(robot.thrusters or first_strip[-1] or first_plate[-1] or pulled),
     )
 
 
@@ -129,12 +127,13 @@ def _links_and_fin(
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
     modules = {id(m): m for m in robot.modules}
     part = {key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for key, m in modules.items()}
-    links = [_Body(length=m.length, parts=[part[id(m)]]) for m in robot.modules]
+    known = {key: _Body(m.length, (part[key],)) for key, m in modules.items()}
+    links = [known[id(m)] for m in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []
     fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code)
     if len(fin) == 1 and fin[0].law == rows.LOCKED:
-        _fold(links[0], fin.pop())
+        links[0] = _fold(links[0], fin.pop())
     return links, fin
 
 
@@ -148,7 +147,7 @@ def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> lis
         bodies.append(
             _Body(
                 length=piece.length,
-                parts=[_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)],
+                parts=(_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0),),
                 strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
                 law=passive if joint is None else joints,
                 is_hinged=joint is not None or piece.hinge is not None,
@@ -163,11 +162,11 @@ def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
     return Coefficients(**{**taken, "position": taken["position"] + end})
 
 
-def _fold(tail: _Body, piece: _Body) -> None:
-    """Make a fin of one rigid piece a part of the tail link."""
+def _fold(tail: _Body, piece: _Body) -> _Body:
+    """The tail link with a fin of one rigid piece as a part of it."""
     part, strips = piece.parts[0], cast(Coefficients, piece.strips)
-    tail.parts.append(part._replace(position=-part.position))
-    tail.strips = replace(strips, position=strips.position - piece.length)
+    parts = *tail.parts, part._replace(position=-part.position)
+    return tail._replace(parts=parts, strips=replace(strips, position=strips.position - piece.length))
 
 
 def _write_environment(
@@ -198,29 +197,22 @@ def _write_bodies(
     records: np.ndarray, bodies: Sequence[_Body], w: Coefficients, environment: robots.Environment
 ) -> None:
     """Masses and added masses of the bodies about their tail ends; their own drag at their middles."""
-    length, mass, moment, rigid = np.array([_solid(body) for body in bodies]).T
+    known = {id(body): _solid(body) for body in {id(body): body for body in bodies}.values()}
+    length, mass, moment, rigid = np.array([known[id(body)] for body in bodies]).T
     mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
-    for row, values in (
-        (rows.LENGTH, length),
-        (rows.CENTER, length / 2.0),
-        (rows.INERTIA, rigid + added),
-        (rows.COUPLING, moment + moment_n),
-        # In the other forms the centripetal term of mu_t cancels against its velocity term.
-        (rows.CENTRIPETAL, moment + moment_t if classic else moment),
-        (rows.MASS_T, mass + mu_t),
-        (rows.MASS_N, mass + mu_n),
-        (rows.MU_T, mu_t),
-        (rows.MU_N, mu_n),
-        (rows.MOMENT_T, moment_t),
-        (rows.MOMENT_N, moment_n),
-        (rows.MASS_SHARE, mass / total),
-        (rows.FIRST_MOMENT_SHARE, moment / total),
-    ):
-        records[:, row] = values
-    loads = w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced
-    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = np.stack(loads, axis=1)
+    # In the other forms the centripetal term of mu_t cancels against its velocity term.
+    centripetal = moment + moment_t if classic else moment
+    inertia = rigid + added, moment + moment_n, centripetal
+    masses = mass + mu_t, mass + mu_n, mu_t, mu_n, moment_t, moment_n, mass / total, moment / total
+    records[:, rows.LENGTH : rows.CENTER + 1] = np.array((length, *inertia, *masses, length / 2.0)).T
+    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = _loads(w).T
+
+
+def _loads(w: Coefficients) -> np.ndarray:
+    """What the water does to elements: the rows of an element from C_T on."""
+    return np.array((w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
 
 
 def _solid(body: _Body) -> tuple[float, float, float, float]:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from itertools import accumulate
 from types import ModuleType
 from typing import Any, ClassVar
 
@@ -157,7 +158,7 @@ class PlanarPlant(Plant[Planar]):
             asked = self._asked(command)
             vars(self)["_kept"] = gait if is_plain else None, asked
         S = asked.copy()
-        S[self._state] = self._begun(state, command)
+        S[self._state] = state.values if command.references is None else self._begun(state, command)
         if command.references is not None:
             return S
         S[rows.OFFSET] = gait.offset + command.offset
@@ -303,12 +304,10 @@ class _Seen(Observation):
 
 def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:
     """Angles of the links from their mean and those of the joints, the last axis; of one sample or of many [rad]."""
-    angle = joint_angle.T
-    links = np.zeros((len(angle) + 1, *angle.shape[1:]))
-    # Running sums, since those of numpy and matrix products may round differently with the number of samples.
-    angle.cumsum(axis=0, out=links[1:])  # of every link but the tail's to the tail link
-    links += heading - links.cumsum(axis=0)[-1] / len(links)
-    return links.T
+    # Running sums one by one: those of numpy and matrix products may round differently with the number of samples.
+    relative = [*accumulate(joint_angle.T, initial=0.0 * heading)]  # to the tail link
+    *_, total = accumulate(relative)
+    return (np.array(relative) + (heading - total / len(relative))).T
 
 
 def _at(row: int) -> int:

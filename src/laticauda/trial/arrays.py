@@ -25,10 +25,10 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
     if given.dtype.kind not in "iuf":
         raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
     array = np.asarray(given, dtype=np.float64, order="C")
-    wanted = tuple("any" if n is None else str(n) for n in shape)
     if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
-        raise BadArgument(name, f"must have shape ({', '.join(wanted)}), got {array.shape}")
-    if not np.all(np.isfinite(array)):
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise BadArgument(name, f"must have shape ({wanted}), got {array.shape}")
+    if not np.isfinite(array).all():
         row = int(np.argwhere(~np.isfinite(array))[0][0])
         raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
     return _read_only(array, values)
