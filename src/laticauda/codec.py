@@ -156,9 +156,9 @@ def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = ""
     """Refuse a key that is not among the `allowed`, with the nearest of them.
 
     Raises:
-        BadKey: If there is one.
+        BadKey: If there is one, or `table` is none.
     """
-    for key in table:
+    for key in table_of(table, at):
         if key not in allowed:
             hint = nearest(key, allowed) or f"; the keys here are {', '.join(allowed)}"
             raise BadKey(join(at, key), f"is not known{hint}")

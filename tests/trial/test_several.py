@@ -58,6 +58,11 @@ def test_one_trial_is_not_enough_to_compare(make_trial):
         compare([make_trial(), "run.nc"])
 
 
+def test_what_is_no_sequence_of_trials_is_not_compared():
+    with pytest.raises(ValueError, match="`trials` must be of class Sequence, got list_iterator"):
+        compare(iter([]))
+
+
 def cut(trial, begin, end, *, restart_clock=False):
     """The samples from `begin` to `end`, as if they were a run of their own."""
     part = {}

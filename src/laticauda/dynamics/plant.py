@@ -11,11 +11,12 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JOINT, Drive, JointLaw
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, instance
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
 from laticauda.interfaces import EFFECTORS, Command, Observation, Start, check_waves, fin_signals
+from laticauda.quantities import quantities_of
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
-from laticauda.scenarios import Model
+from laticauda.scenarios import Model, Scenario
 from laticauda.series import Log
 
 ModelType = TypeVar("ModelType", bound=Model)
@@ -24,6 +25,7 @@ Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
 
 FORCES = ("drag", "added_mass", "effector")
 ELASTIC_DT = 0.005  # s, with a fin that bends
+MOST_SAMPLES = 2_000_000  # a log beyond them would take gigabytes
 # A wave of amplitude 1 that stands still at its crest: the joints' envelope is their reference.
 CREST, STILL = WaveState(0.5 * math.pi, 1.0, *(0.0,) * 7), WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -161,7 +163,16 @@ class Plant(ABC, Generic[ModelType]):
         Returns:
             The state after `duration` [s], the samples with both ends included, and a sentence that says what went
             wrong, or None. A run that went wrong returns the samples up to then.
+
+        Raises:
+            ValueError: If an argument is of another class, or out of its range.
         """
+        instance("state", state, PlantState)
+        instance("command", command, Command)
+        declared = quantities_of(Scenario)
+        duration = declared["duration"].checked("duration", duration)
+        sample_interval = declared["sample_interval"].checked("sample_interval", sample_interval)
+        check_size(duration, sample_interval)
         state, stretch, failure = self.advance(state, command, duration, sample_interval, link_forces=link_forces)
         return state, self.log([stretch]), failure
 
@@ -367,3 +378,19 @@ def has_hinges(robot: Robot) -> bool:
         robot: Whose.
     """
     return robot.caudal_fin is not None and robot.caudal_fin.n_hinges > 0
+
+
+def check_size(duration: float, sample_interval: float) -> None:
+    """Refuse a log that no memory holds.
+
+    Args:
+        duration: Of the run [s].
+        sample_interval: Between two samples [s].
+
+    Raises:
+        ValueError: If there would be more than `MOST_SAMPLES`.
+    """
+    longest = MOST_SAMPLES * sample_interval
+    if duration > longest:
+        rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
+        raise BadArgument("duration", f"{rule}; a longer `sample_interval` lets a run be longer")

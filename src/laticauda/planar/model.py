@@ -14,7 +14,7 @@ from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import Plant, PlantState, Samples
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, instance
 from laticauda.fluid import flow as flows
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.formulas import Formula
@@ -127,6 +127,8 @@ class PlanarPlant(Plant[Planar]):
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
+        instance("start", start, Start)
+        instance("command", command, Command)
         start.check_planar()
         yaw, _, fin = self._first_waves(command)
         values = [0.0] * self._size

@@ -9,6 +9,7 @@ from typing import TypeVar, Unpack, cast
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
+from laticauda.dynamics.plant import check_size
 from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
@@ -20,7 +21,7 @@ from laticauda.simulate import batch_figures
 from laticauda.simulate.batch_figures import Figure
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
-from laticauda.simulate.runner import Progress, check_size
+from laticauda.simulate.runner import Progress
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, metrics
 
@@ -160,6 +161,9 @@ def batch_of(
 ) -> Sequence[Scenario]:
     """The scenarios of a batch; arguments as for `swim_many`."""
     if gaits is None:
+        instance("robots", robots, Sequence)
+        for i, one in enumerate(cast("Sequence[object]", robots)):
+            instance(f"robots[{i}]", one, Scenario)
         return cast("Sequence[Scenario]", robots)
     given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)

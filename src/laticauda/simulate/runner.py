@@ -10,7 +10,7 @@ from typing import Any, TypedDict, Unpack, cast
 import numpy as np
 
 from laticauda import gaits, packaging
-from laticauda.dynamics.plant import Plant, Stretch
+from laticauda.dynamics.plant import Plant, Stretch, check_size
 from laticauda.errors import BadArgument, SimulationFailed, instance
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Resumed, Start
 from laticauda.robot import Robot
@@ -29,8 +29,6 @@ March = Callable[[States, Sequence[Command], float, float], Marched]
 CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
-# A log beyond this many samples would take gigabytes.
-MOST_SAMPLES = 2_000_000
 
 
 class Logging(TypedDict, total=False):
@@ -222,22 +220,6 @@ def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resume
         rule = "must be 0 to go on from the end of a trial, which does not keep the commands on their way"
         raise BadArgument("loop_delay", f"{rule}, got {delay:g}")
     return delay
-
-
-def check_size(duration: float, sample_interval: float) -> None:
-    """Refuse a log that no memory holds.
-
-    Args:
-        duration: Of the run [s].
-        sample_interval: Between two samples [s].
-
-    Raises:
-        ValueError: If there would be more than `MOST_SAMPLES`.
-    """
-    longest = MOST_SAMPLES * sample_interval
-    if duration > longest:
-        rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
-        raise BadArgument("duration", f"{rule}; a longer `sample_interval` lets a run be longer")
 
 
 def _begun(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:

@@ -48,6 +48,7 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
     Raises:
         ValueError: If there are fewer than two trials.
     """
+    instance("trials", trials, Sequence)
     if len(trials) < 2:
         raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(trials)}")
     for i, trial in enumerate(trials):
