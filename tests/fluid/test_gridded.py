@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from flow_laws import Moving
 from scipy.interpolate import RegularGridInterpolator
 
 import laticauda as lc
@@ -14,7 +15,6 @@ from laticauda.cosim.fmu import export_fmu
 from laticauda.fluid.flow import Flow, FunctionFlow
 from laticauda.fluid.gridded import Gridded
 from laticauda.fluid.grids import to_dataset
-from laticauda.quantities import value
 from laticauda.robot import load_robot, load_water
 from laticauda.simulate import sensitivities
 
@@ -73,13 +73,7 @@ def shear(**axes):
 AXES = {"time": [0.0, 2.0, 4.0], "z": [-1.0, 0.0], "y": [-3.0, 0.0, 3.0], "x": [-3.0, -1.0, 1.0, 3.0]}
 
 
-@value
-class Shear(Flow):
-    """The same by its formula."""
-
-    def __call__(self, x, y, z, t):
-        slopes = 0.001, 0.0, 0.0, 0.0, 0.02, 0.0, 0.01, 0.0, 0.02, 0.0, 0.0, 0.0, 0.0
-        return 0.05 + 0.02 * y + 0.001 * t, -0.03 + 0.01 * x + 0.02 * z, 0.0, *slopes
+SHEAR = Moving(v_x=0.05, v_y=-0.03, shear=0.02, swing=0.01, gain=0.001, veer=0.02)  # the same by its formula
 
 
 def swum(flow, duration=4.0, **settings):
@@ -89,7 +83,7 @@ def swum(flow, duration=4.0, **settings):
 
 def test_a_robot_swims_in_a_linear_flow_on_a_grid_as_in_its_formula_alone_and_side_by_side():
     flow, other = shear(**AXES), shear(**{**AXES, "x": [-3.0, 0.0, 3.0]})
-    alone, known = swum(flow), swum(Shear())
+    alone, known = swum(flow), swum(SHEAR)
     assert np.abs(alone.center_of_mass - known.center_of_mass).max() < 1e-12
     assert alone.status == "The run reached its end."
     ends = lc.swim_many([replace(alone.scenario, environment=replace(WATER, current=one)) for one in (flow, other)])
@@ -126,7 +120,7 @@ def test_derivatives_go_through_the_tables():
     flow = shear(**{**AXES, "time": [0.0, 4.0]})
     settings = {"environments": replace(WATER, current=flow), "names": ["gait.amplitude", "gait.frequency"]}
     found = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
-    settings["environments"] = replace(WATER, current=Shear())
+    settings["environments"] = replace(WATER, current=SHEAR)
     known = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
     np.testing.assert_allclose(found.jacobian, known.jacobian, rtol=1e-9, atol=1e-12)
 

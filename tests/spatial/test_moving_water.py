@@ -4,36 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flow_laws import Moving
 
 import laticauda as lc
 from laticauda.fluid.flow import Flow
 from laticauda.planar import rows
-from laticauda.quantities import quantity, value
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
 STILL = lc.load_water("paper-lateral")
-
-
-@value
-class Moving(Flow):
-    """Waves of deep water along x, in water that moves with v_x + shear y, v_y + swing x."""
-
-    v_x: float = quantity("m/s", "velocity", default=0.0)
-    v_y: float = quantity("m/s", "velocity", default=0.0)
-    shear: float = quantity("1/s", "change of the velocity along x with y", default=0.0)
-    swing: float = quantity("1/s", "change of the velocity along y with x", default=0.0)
-    amplitude: float = quantity("m", "of the surface", default=0.0)
-    k: float = quantity("1/m", "wave number", default=2.0)
-
-    def __call__(self, x, y, z, t):
-        k, a = self.k, self.amplitude
-        omega = (9.81 * k) ** 0.5
-        size, theta = a * omega * np.exp(k * z), k * x - omega * t
-        c, s = size * np.cos(theta), size * np.sin(theta)
-        o = 0.0 * c
-        velocity = (self.v_x + self.shear * y + c, self.v_y + self.swing * x, s)
-        slopes = (-k * s, self.shear + o, k * c, self.swing + o, o, o, k * c, o, k * s)
-        return (*velocity, omega * s, o, -omega * c, *slopes, a * np.cos(theta))
 
 
 WAVES = Moving(amplitude=0.03)

@@ -59,7 +59,7 @@ def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_d
 
 def test_in_space_an_episode_in_a_flow_is_that_in_the_plane():
     pytest.importorskip("mujoco")
-    settings = {"duration": 0.6, "interval": 0.1, "current": lc.load_current("vortex")}
+    settings = {"duration": 0.6, "interval": 0.1, "current": lc.load_current("street")}
     space, plane = (SwimmingEnv(robot="mamba", model=model, **settings) for model in ("spatial", "planar"))
     still = SwimmingEnv(robot="mamba", duration=0.6, interval=0.1)
     ends = [rolled(one, count=6)[-1][-1] for one in (space, plane, still)]
