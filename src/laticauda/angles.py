@@ -28,13 +28,23 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
         True
     """
     # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the angle.
-    turn = 2.0 * math.pi
     if isinstance(angle, float) and math.isfinite(angle):  # ten times faster than arrays of one, and as exact
-        rest = math.fmod(angle, turn)
-        return rest - turn if rest >= math.pi else rest + turn if rest < -math.pi else rest
+        return wrapped(angle)
+    turn = 2.0 * math.pi
     rest = np.fmod(angle, turn)
-    wrapped = np.where(rest >= np.pi, rest - turn, np.where(rest < -np.pi, rest + turn, rest))
-    return wrapped if wrapped.ndim else float(wrapped)
+    found = np.where(rest >= np.pi, rest - turn, np.where(rest < -np.pi, rest + turn, rest))
+    return found if found.ndim else float(found)
+
+
+def wrapped(angle: float) -> float:
+    """The same as `wrap_to_pi` for a finite number, in operations that kernels know.
+
+    Args:
+        angle: Angle [rad].
+    """
+    turn = 2.0 * math.pi
+    rest = math.fmod(angle, turn)
+    return rest - turn if rest >= math.pi else rest + turn if rest < -math.pi else rest
 
 
 def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..."]:

@@ -24,7 +24,6 @@ from laticauda import scalars
 from laticauda.compiling import lanes, ready
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.errors import BadArgument
 from laticauda.files import locked
 
 
@@ -56,14 +55,8 @@ class Target:
     """Decorator of entry points."""
     in_lanes: Callable[[Any], Any]
     """Makes of a compiled function of numbers one of lanes."""
-    where: Any
-    """Of laws, see `scalars.where`."""
-    magnitude: Any
-    """Of laws, see `scalars.magnitude`."""
-    table_row: Any = None
-    """Of laws, see `scalars.table_row`; None: there is none."""
-    first_lane: Any
-    """Of numbers that are the same in all lanes."""
+    formulas: Mapping[Any, Any]
+    """What stands in the place of functions that laws call, as those of `scalars`."""
     instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """What stands in the place of names that the templates of kernels import or define."""
 
@@ -95,16 +88,13 @@ def compiled(function: Callable[..., Any]) -> Any:
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
     closure = tuple(CellType(cell) for cell in cells)
+    # Numba knows no arguments that are keywords only.
+    code = code.replace(co_argcount=code.co_argcount + code.co_kwonlyargcount, co_kwonlyargcount=0)
     return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
 
 def _compiled_inner(function: Callable[..., Any]) -> Any:
-    if function in (scalars.where, scalars.magnitude, scalars.table_row, scalars.first_lane):
-        found = getattr(_target.get(), function.__name__)
-        if found is None:
-            raise BadArgument("current", "must not be a gridded flow: a GPU or an FMU reads no tables; got one")
-        return found
-    return compiled(function)
+    return _target.get().formulas.get(function) or compiled(function)
 
 
 def for_python(function: Any) -> Any:
@@ -127,7 +117,7 @@ def in_lanes(function: Any) -> Any:
 
 def first_lane() -> Any:
     """The function that gives a number which is the same in all lanes."""
-    return _target.get().first_lane
+    return _target.get().formulas[scalars.first_lane]
 
 
 def _all_or_each(function: Any) -> Any:
@@ -191,10 +181,10 @@ PROCESSOR = Target(
     kernel=inlined,
     entry=_kept,
     in_lanes=_all_or_each,
-    where=cast(Any, lanes).where,
-    magnitude=cast(Any, lanes).magnitude,
-    table_row=cast(Any, lanes).table_row,
-    first_lane=cast(Any, lanes).first_lane,
+    formulas={
+        one: getattr(lanes, one.__name__)
+        for one in (scalars.where, scalars.magnitude, scalars.first_lane, scalars.table_row)
+    },
 )
 _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
 

@@ -112,7 +112,8 @@ def _aimed(frame: PathFrame, slope: float, heading: float) -> float:
 
 # ---- heading: what counts as that of a body that undulates, and the offset that turns it -----------------------------
 
-_ROUNDING = 1e-9  # [s]: two control instants are never that close
+ROUNDING = 1e-9
+"""Two control instants are never that close [s]."""
 
 
 @value
@@ -186,20 +187,34 @@ class HeadingEstimate:
         """
         if self.window == 0.0 or not state:
             return ((time, heading, 0.0),), heading
-        last, before, integral = state[-1]
-        step = time - last
-        if step <= _ROUNDING:
+        last = state[-1][0]
+        if time - last <= ROUNDING:
             raise BadArgument("time", f"must grow from step to step, got {last} s and then {time} s")
-        integral += 0.5 * step * (before + heading)
         begin = max(time - self.window, state[0][0])
-        oldest = max(bisect_right(state, begin + _ROUNDING, key=itemgetter(0)) - 1, 0)  # the last one not inside
-        seen = (*state[oldest:], (time, heading, integral))
-        return seen, (integral - _integral_at(seen, begin)) / (time - begin)
+        oldest = max(bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0)  # the last one not inside
+        seen = (*state[oldest:], (time, heading, grown(state[-1], time, heading)))
+        return seen, mean_over(seen, begin)
 
 
-def _integral_at(window: HeadingWindow, time: float) -> float:
-    """The integral between the first two headings of a window [rad s]."""
-    (begin, first, integral), (end, second, _) = window[:2]
-    share = (time - begin) / (end - begin)
-    heading = first + share * (second - first)
-    return integral + 0.5 * (time - begin) * (first + heading)
+def grown(last: tuple[float, float, float], time: float, heading: float) -> float:
+    """The integral of the heading one heading later [rad s].
+
+    Args:
+        last: Time, heading and integral before.
+        time: Now [s].
+        heading: Now [rad].
+    """
+    begin, before, integral = last
+    return integral + 0.5 * (time - begin) * (before + heading)
+
+
+def mean_over(window: HeadingWindow, begin: float) -> float:
+    """The mean heading from a time between the first two of a window to the last one [rad].
+
+    Args:
+        window: Two headings or more.
+        begin: That time [s].
+    """
+    (t, first, _), (end, second, _), (time, _, integral) = window[0], window[1], window[-1]
+    there = first + (begin - t) / (end - t) * (second - first)
+    return (integral - grown(window[0], begin, there)) / (time - begin)

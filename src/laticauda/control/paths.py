@@ -38,7 +38,7 @@ class StraightLine(Path[None]):
 
     def locate(self, progress: None, position: Position) -> tuple[None, PathFrame]:
         """Find a `position` [m]; there is no `progress`. See `Path`."""
-        along, across = _seen_from(self.point, self.angle, position)
+        along, across = seen_from(self.point, self.angle, position)
         return None, _frame(along, across, self.angle, math.inf)
 
     def points(self, along_track_distance: Distances) -> Points:
@@ -125,8 +125,8 @@ class Polyline(Path[int]):
         leg = progress
         while leg < len(self.waypoints) - 2 and self._is_done(leg, position):
             leg += 1
-        angle = self._angle(leg)
-        along, across = _seen_from(self.waypoints[leg], angle, position)
+        angle = self.angle(leg)
+        along, across = seen_from(self.waypoints[leg], angle, position)
         return leg, _frame(along + self.lengths[leg], across, angle, self.length)
 
     def points(self, along_track_distance: Distances) -> Points:
@@ -136,12 +136,13 @@ class Polyline(Path[int]):
         ahead = np.diff(corner, axis=0) / np.diff(self.lengths)[:, np.newaxis]
         return corner[leg] + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
 
-    def _angle(self, leg: int) -> float:
+    def angle(self, leg: int) -> float:
+        """Direction of a `leg`, counted from 0, to the world x axis [rad]."""
         (x, y), (to_x, to_y) = self.waypoints[leg], self.waypoints[leg + 1]
         return math.atan2(to_y - y, to_x - x)
 
     def _is_done(self, leg: int, position: Position) -> bool:
-        along, across = _seen_from(self.waypoints[leg + 1], self._angle(leg), position)
+        along, across = seen_from(self.waypoints[leg + 1], self.angle(leg), position)
         return along >= 0.0 or math.hypot(along, across) < self.acceptance_distance
 
 
@@ -188,7 +189,7 @@ class Spline(Path[float | None]):
         (r,), (first,), (second,) = curve.derivatives(u)
         length = float(curve.length(u)[0])
         angle = math.atan2(first[1], first[0])
-        beyond, across = _seen_from((float(r[0]), float(r[1])), angle, position)
+        beyond, across = seen_from((float(r[0]), float(r[1])), angle, position)
         # Inside, the nearest point is at a right angle, and what is left of `beyond` is rounding.
         is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
         along = length + beyond if is_outside else length
@@ -217,8 +218,14 @@ def _unit(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
-def _seen_from(origin: tuple[float, float], angle: float, position: Position) -> tuple[float, float]:
-    """A position in axes at `origin`, turned by `angle`: along them, and across to the left [m]."""
+def seen_from(origin: tuple[float, float], angle: float, position: Position) -> tuple[float, float]:
+    """A position in axes at `origin`, turned by `angle`: along them, and across to the left [m].
+
+    Args:
+        origin: Of the axes [m].
+        angle: Of the first to the world x axis [rad].
+        position: World axes [m].
+    """
     c, s = _unit(angle)
     x, y = float(position[0]) - origin[0], float(position[1]) - origin[1]
     return c * x + s * y, c * y - s * x

@@ -262,6 +262,18 @@ class Rows(NamedTuple):
     numbers: np.ndarray = np.zeros(0)
     """For each kind how many parts there are, then the numbers of each."""
 
+    def refuse_tables(self, reader: str) -> None:
+        """Refuse a flow on a grid.
+
+        Args:
+            reader: What reads no tables, in words.
+
+        Raises:
+            ValueError: If a part is one.
+        """
+        if any(shape is not None for *_, shape in self.parts):
+            raise BadArgument("current", f"must not be a gridded flow: {reader} reads no tables; got one")
+
 
 def rows_of(flow: Flow, height: float | None = None) -> Rows:
     """A flow as the kernels take it.

@@ -15,6 +15,7 @@ from typing import Any, TypeVar, cast, no_type_check
 
 import numpy as np
 
+from laticauda import scalars
 from laticauda.compiling import Target
 from laticauda.errors import BadArgument, MissingExtra
 from laticauda.planar import rows
@@ -60,6 +61,7 @@ def march_many(
 def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
     """Runs of one kind, one thread each."""
     plant = runs[0].plant
+    plant.flow.refuse_tables("a GPU")
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
@@ -144,9 +146,7 @@ def _target() -> Target:
         kernel=device,
         entry=device,
         in_lanes=lambda function: function,
-        where=where,
-        magnitude=magnitude,
-        first_lane=itself,
+        formulas={scalars.where: where, scalars.magnitude: magnitude, scalars.first_lane: itself},
         instead={
             "rows_of": itself,
             "any_lane": itself,

@@ -20,6 +20,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
+from laticauda import scalars
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import PROCESSOR, Target, compiling_for
 from laticauda.compiling.formulas import in_numbers, reason_of
@@ -45,8 +46,9 @@ NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
-_OWN: Any = {"_nrt": False}
-_inner = functools.partial(inlined, **_OWN)
+OWN: Any = {"_nrt": False}
+"""Of Numba: nothing needs a runtime of its own."""
+_inner = functools.partial(inlined, **OWN)
 # What is left to the C library.
 _ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
 _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt", "cbrt", "sinh", "cosh", "tanh"}
@@ -66,21 +68,32 @@ def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> b
     """
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
-        with compiling_for(_target()):  # the law alone first, which takes no time
+        with compiling_for(target()):  # the law alone first, which takes no time
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
-        move = _move(specialize(1, law, joints, flow, _target()).run)
+        move = _move(specialize(1, law, joints, flow, target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
     foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _OF_C
     if foreign:
         raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
+    return exported(move, NAME)
+
+
+def exported(function: Any, name: str) -> bytes:
+    """LLVM's module of a compiled function, which is all that others see of it.
+
+    Args:
+        function: As Numba's `cfunc` with `OWN` returned it.
+        name: What it is called there.
+    """
+    module = llvm.parse_assembly(function.inspect_llvm())
     for one in (*module.functions, *module.global_variables):
         if not one.is_declaration:
-            one.linkage = "external" if one.name == move.native_name else "internal"
-    entry = module.get_function(move.native_name)
-    entry.name, entry.visibility = NAME, "hidden"
+            one.linkage = "external" if one.name == function.native_name else "internal"
+    entry = module.get_function(function.native_name)
+    entry.name, entry.visibility = name, "hidden"
     return module.as_bitcode()
 
 
@@ -130,8 +143,8 @@ def _log_at(typingctx, numbers):
 
 
 @functools.cache
-def _target() -> Target:
-    """This kind of processor; chains are addresses, for arrays would bring Numba's memory management along."""
+def target() -> Target:
+    """This processor without Python; chains are addresses, for arrays would bring Numba's memory management along."""
 
     @_inner
     def free_joints(law):
@@ -141,9 +154,7 @@ def _target() -> Target:
         kernel=_inner,
         entry=_inner,
         in_lanes=PROCESSOR.in_lanes,
-        where=PROCESSOR.where,
-        magnitude=PROCESSOR.magnitude,
-        first_lane=PROCESSOR.first_lane,
+        formulas={one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row},
         instead={"free_joints": free_joints, "rows_of": _rows_of},
     )
 
@@ -194,7 +205,7 @@ def _move(run: Any) -> Any:
     """
     reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
 
-    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **INLINED, **_OWN)
+    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **INLINED, **OWN)
     def move(whole, real, v, rows, interval):
         """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
         steps, dt = 0, v[whole[DT]]

@@ -75,7 +75,7 @@ class Platform(NamedTuple):
 
 
 _ELF = "-shared -s -Wl,-Bsymbolic -Wl,-z,noexecstack -Wl,-z,defs"
-_WASM = f"-mexec-model=reactor -s -Wl,--export={NAME} -Wl,--export=laticauda_reserve {shlex.quote(f'{FOLDER}/wasm.c')}"
+_WASM = f"-mexec-model=reactor -s -Wl,--export=laticauda_reserve {shlex.quote(f'{FOLDER}/wasm.c')}"
 LINUX = System("linux", "unknown-linux-gnu", "linux-gnu.2.17", ".so", _ELF)
 WINDOWS = System("windows", "pc-windows-gnu", "windows-gnu", ".dll", "-shared -s")
 DARWIN = System("darwin", "apple-macosx11.0.0", "macos", ".dylib", "-shared")
@@ -150,7 +150,7 @@ def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platf
         ValueError: If the law needs more than numbers.
     """
     whole = functools.partial(_kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow))
-    return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: _emitted(whole(), platform))
+    return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: emitted(whole(), platform))
 
 
 def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[bytes]:
@@ -197,7 +197,13 @@ def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
     return made
 
 
-def _emitted(code: bytes, platform: Platform) -> bytes:
+def emitted(code: bytes, platform: Platform) -> bytes:
+    """The object file of a module.
+
+    Args:
+        code: LLVM's bitcode.
+        platform: Where it will run.
+    """
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     module = llvm.parse_bitcode(code)
@@ -236,6 +242,7 @@ def linked(
     sources: Sequence[Path] = (),
     headers: Mapping[str, str] | None = None,
     static: bool = False,
+    name: str = NAME,
 ) -> bytes:
     """A shared library; for a browser, a module of WebAssembly.
 
@@ -248,19 +255,21 @@ def linked(
         sources: Files in C that belong to it.
         headers: Name and text of headers that they include.
         static: Whether to make a static library instead.
+        name: Of the function that it offers.
 
     Raises:
         MissingProgram, MissingExtra: If there is no C compiler for it.
         LinkingFailed: If it fails.
     """
     chosen = compiler(platform)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
         for header, text in (headers or {}).items():
             (folder / header).write_text(text, encoding="utf-8")
         (folder / "kernels.o").write_bytes(code)
         parts = [*shlex.split(FLAGS), "-I.", *map(str, sources)]
         linking = [*parts, *shlex.split(platform.system.linking), "kernels.o", "-lm", "-o", "library"]
+        linking += [f"-Wl,--export={name}"] if platform.system is BROWSER else []
         objects = ["kernels.o", *(f"{source.stem}.o" for source in sources)]
         archiver = [sys.executable, "-m", "ziglang", "ar"] if "ziglang" in chosen else ["ar"]
         both = [[*chosen, "-c", *parts], [*archiver, "rcs", "library", *objects]]

@@ -61,6 +61,7 @@ def tables_for(
     instance("motion", chosen.motion, lc.Gait)
     instance("start", chosen.start, lc.Start)
     plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
+    plant.flow.refuse_tables("an FMU or a library in C")
     if inputs == "references" and plant.joints.prescribed:
         raise BadArgument(
             "inputs",

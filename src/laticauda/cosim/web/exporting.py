@@ -19,8 +19,10 @@ import numpy as np
 import laticauda as lc
 from laticauda import control, files, gaits
 from laticauda.codec import encode
+from laticauda.control.guidance import ROUNDING
 from laticauda.cosim.native import entry, platforms
 from laticauda.cosim.native.tables import Variable, tables_of
+from laticauda.cosim.web import steering
 from laticauda.extensions import name_of
 from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.kinematics import levers
@@ -74,28 +76,26 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
     place = Path(folder)
     entries = [_entry(one) for one in robots or ROBOTS]
     plants = {fin["law"]: fin.pop("plant") for one in entries for fin in one["fins"].values()}
-    made = {law: base64.b64encode(_wasm(plant)).decode() for law, plant in plants.items()}
+    browser = platforms.platform_of("wasm32")
+    made = {law: platforms.linked(platforms.object_codes(one, [browser])[0], browser) for law, one in plants.items()}
+    steer = platforms.emitted(steering.bitcode(), browser)
+    made["steering"] = platforms.linked(steer, browser, name=steering.NAME)
+    kernels = {name: base64.b64encode(one).decode() for name, one in made.items()}
     data = {
         "version": __version__,
         "interval": lc.Following().interval,  # of samples, too
         "choices": {name: get_args(hints_of(lc.Following)[name]) for name in ("guidance", "heading_estimate")},
+        "steering": {"numbers": steering.NUMBERS, "results": steering.RESULTS, "rounding": ROUNDING},
         "sliders": _sliders(),
         "robots": entries,
     }
     content = {path.name: path.read_text("utf-8") for path in Path(__file__).with_name("page").iterdir()}
-    content["kernels.js"] = f"const KERNELS = {json.dumps(made)};\n"
+    content["kernels.js"] = f"const KERNELS = {json.dumps(kernels)};\n"
     content["robots.js"] = f"const PAGE = {json.dumps(data, separators=(',', ':'), ensure_ascii=False)};\n"
     place.mkdir(parents=True, exist_ok=True)
     for name, text in content.items():
         files.write(place / name, text)
     return tuple(place / name for name in sorted(content))
-
-
-def _wasm(plant: PlanarPlant) -> bytes:
-    """What swims, for one drag law."""
-    browser = platforms.platform_of("wasm32")
-    platforms.compiler(browser)  # before the kernels, which take seconds
-    return platforms.linked(platforms.object_code(plant.law, plant.joints, plant.flow.kinds, browser), browser)
 
 
 # ---- what a page knows -----------------------------------------------------------------------------------------------

@@ -52,8 +52,8 @@ function sampled() {
   plots[0].add(time, speed, page.speed);
   plots[1].add(time, now("joint_angle[0]"), now(`joint_angle[${n >> 1}]`), now(`joint_angle[${n - 1}]`));
   plots[2].add(time, get("electrical_power") ?? get("mechanical_power"), page.power);
-  plots[3].add(time, now("heading"), swimmer.path ? degrees(swimmer.steering.headingRef) : NaN);
-  page.error = swimmer.path ? swimmer.steering.error : NaN;
+  plots[3].add(time, now("heading"), swimmer.path ? degrees(swimmer.steering.found.heading_ref) : NaN);
+  page.error = swimmer.path ? swimmer.steering.found.error : NaN;
 }
 
 let last = null;

@@ -46,11 +46,13 @@ function apply(setting, swimmer) {
   swimmer.set("dt", Math.min(body.dt, 1 / Math.max(...rates)));
   swimmer.path = setting.waypoints && {
     waypoints: setting.waypoints,
-    lookAhead: si["look-ahead-distance"],
-    integralGain: setting.guidance === "integral_line_of_sight" ? si["integral-gain"] : 0,
-    gain: si["gain"],
-    maxOffset: si["max-offset-deg"],
     window: setting.headingEstimate === "raw" ? 0 : (2.0 * Math.PI) / si["frequency-deg-s"],
+    laws: {
+      look_ahead_distance: si["look-ahead-distance"],
+      integral_gain: setting.guidance === "integral_line_of_sight" ? si["integral-gain"] : 0,
+      gain: si["gain"],
+      max_offset: si["max-offset-deg"],
+    },
   };
   return si["offset-deg"];
 }

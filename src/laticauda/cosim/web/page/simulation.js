@@ -1,6 +1,6 @@
 "use strict";
 /* A robot that swims: laticauda's compiled kernels (kernels.js) and the arrays of numbers that they work on (robots.js).
-   What a step does is in the kernels; the steering, a few lines at the end, is held against Python by the tests. */
+   What a step and a control instant do is in the kernels. */
 
 const compiledKernels = {};
 
@@ -13,6 +13,7 @@ function kernelsOf(law) {
 class Swimmer {
   /** A robot of robots.js, at rest once `begin` was called. */
   static async of(body) {
+    Steering.instant ??= await instantOf();
     return new Swimmer(body, await WebAssembly.instantiate(await kernelsOf(body.law)));
   }
 
@@ -34,7 +35,7 @@ class Swimmer {
     this.real.set(body.real);
     this.values.set(body.first);
     this.body = body;
-    this.path = null; // what is followed how: the numbers of `Steering.step`; null: nothing
+    this.path = null; // what is followed how, as `Steering.step` takes it; null: nothing
     this.steering = new Steering();
     this.failed = false;
     this.move = (interval) => laticauda_move(at.whole, at.real, at.values, at.rows, interval) === 1n;
@@ -99,59 +100,40 @@ class Swimmer {
   }
 }
 
-// ---- path following: `PathFollowing.step` of laticauda.control, for straight legs ------------------------------------
+// ---- path following: one control instant is compiled; here is what varies in length -----------------------------------
 
-/** The same direction in [-pi, pi). */
-function wrapped(angle) {
-  const rest = angle % (2 * Math.PI);
-  return rest >= Math.PI ? rest - 2 * Math.PI : rest < -Math.PI ? rest + 2 * Math.PI : rest;
+/** The compiled control instant, a function of numbers by their names. */
+async function instantOf() {
+  const { exports } = await WebAssembly.instantiate(await kernelsOf("steering")), { numbers, results } = PAGE.steering;
+  exports._initialize?.();
+  const at = exports.laticauda_reserve(8 * numbers.length), room = new Float64Array(exports.memory.buffer, at, numbers.length);
+  return (given) => {
+    room.set(numbers.map((name) => given[name]));
+    exports.laticauda_steer(at);
+    return Object.fromEntries(results.map((name, i) => [name, room[i]]));
+  };
 }
 
 class Steering {
+  static instant = null; // once there is a swimmer
   leg = 0;
-  integral = 0; // y of the integral law [s]
-  isSaturated = false;
   headings = []; // in the window, oldest first: time, heading, its integral
-  error = NaN; // cross-track [m]
-  headingRef = NaN; // [rad]
+  found = { error: NaN, heading_ref: NaN, integral: 0, is_saturated: 0 };
 
   /** One control instant: the offset until the next one [rad]. */
-  step({ waypoints, lookAhead, integralGain, gain, maxOffset, window }, time, x, y, heading) {
-    const dt = this.headings.length ? time - this.headings[this.headings.length - 1][0] : 0;
-    const used = this.#mean(window, time, heading);
-    const angleOf = (leg) => Math.atan2(waypoints[leg + 1][1] - waypoints[leg][1], waypoints[leg + 1][0] - waypoints[leg][0]);
-    const seenFrom = ([x0, y0], angle) => {
-      const c = Math.cos(angle), s = Math.sin(angle);
-      return [c * (x - x0) + s * (y - y0), c * (y - y0) - s * (x - x0)];
-    };
-    this.leg = Math.min(this.leg, waypoints.length - 2);
-    while (this.leg < waypoints.length - 2 && seenFrom(waypoints[this.leg + 1], angleOf(this.leg))[0] >= 0) this.leg += 1;
-    const angle = angleOf(this.leg), error = (this.error = seenFrom(waypoints[this.leg], angle)[1]);
-    if (!this.isSaturated) {
-      const aim = error + integralGain * this.integral;
-      this.integral += (dt * lookAhead * error) / (aim * aim + lookAhead * lookAhead);
+  step({ waypoints, window, laws }, time, x, y, heading) {
+    const { headings } = this, last = waypoints.length - 2, begin = Math.max(time - window, headings[0]?.[0] ?? time);
+    while (headings.length > 1 && headings[1][0] <= begin + PAGE.steering.rounding) headings.shift();
+    const now = [time, heading, 0], [[t1, heading1, integral1], [t2, heading2]] = [...headings.slice(0, 2), now, now];
+    const [t3, heading3, integral3] = headings.at(-1) ?? now, { integral, is_saturated } = this.found;
+    const seen = { time, x, y, heading, begin, t1, heading1, integral1, t2, heading2, t3, heading3, integral3, integral, is_saturated };
+    for (this.leg = Math.min(this.leg, last); ; this.leg += 1) {
+      const [[x0, y0], [x1, y1]] = waypoints.slice(this.leg);
+      this.found = Steering.instant({ ...laws, ...seen, x0, y0, x1, y1 });
+      if (this.leg === last || this.found.beyond < 0) break;
     }
-    const slope = (error + integralGain * this.integral) / lookAhead;
-    this.headingRef = used + wrapped(wrapped(angle) - Math.atan(slope) - used);
-    const asked = gain * wrapped(this.headingRef - used);
-    this.isSaturated = Math.abs(asked) > maxOffset;
-    return this.isSaturated ? Math.sign(asked) * maxOffset : asked;
-  }
-
-  /** The heading as its mean over a window, or as it is [rad]; see `HeadingEstimate.step`. */
-  #mean(window, time, heading) {
-    const last = this.headings[this.headings.length - 1];
-    if (window === 0 || last === undefined) {
-      this.headings = [[time, heading, 0]];
-      return heading;
-    }
-    const integral = last[2] + 0.5 * (time - last[0]) * (last[1] + heading);
-    const begin = Math.max(time - window, this.headings[0][0]);
-    while (this.headings.length > 1 && this.headings[1][0] <= begin + 1e-9) this.headings.shift();
-    this.headings.push([time, heading, integral]);
-    const [[t0, first, before], [t1, second]] = this.headings;
-    const there = first + ((begin - t0) / (t1 - t0)) * (second - first);
-    return (integral - (before + 0.5 * (begin - t0) * (first + there))) / (time - begin);
+    headings.push([time, heading, this.found.heading_integral]);
+    return this.found.offset;
   }
 }
 
