@@ -53,6 +53,7 @@ WITHOUT_POSIX = textwrap.dedent(
 
 
 UNWRITABLE = """
+import warnings
 from numba.core import caching
 ordinary = caching._CacheLocator.ensure_cache_path
 def ensure_cache_path(self):
@@ -61,7 +62,9 @@ def ensure_cache_path(self):
     ordinary(self)
 caching._CacheLocator.ensure_cache_path = ensure_cache_path
 import os, sys
-from laticauda import compiling
+warnings.simplefilter("error")
+from laticauda import compiling  # which compiles nothing
+warnings.simplefilter("default")
 from laticauda.compiling.templates import is_kept
 @compiling.entry
 def _twice_0(x):

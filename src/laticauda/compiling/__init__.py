@@ -27,10 +27,10 @@ from laticauda.compiling.lane_types import Lanes
 from laticauda.files import locked
 
 
-def _find_folder() -> None:
+def _find_folder() -> str:
     """Where Numba may write to no folder of its own, make it keep machine code in one of this program and its children.
 
-    The folder goes with the program.
+    The folder goes with the program; returns words for that, which are empty for a folder of Numba's own.
     """
     try:
         njit(cache=True)(_find_folder)
@@ -38,11 +38,11 @@ def _find_folder() -> None:
         folder = tempfile.mkdtemp(prefix="laticauda-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         os.environ["NUMBA_CACHE_DIR"] = cast(Any, config).CACHE_DIR = folder
-        kept = f"compiled kernels are kept in {folder} until this program ends"
-        warnings.warn(f"{kept}; name a folder in NUMBA_CACHE_DIR that it may write to", stacklevel=2)
+        return f"compiled kernels are kept in {folder} until this program ends"
+    return ""
 
 
-_find_folder()
+_kept_for_now = _find_folder()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,7 +171,10 @@ def in_turn(compiled: Any) -> Any:
 
     def compile_or_load(signature: Any) -> Any:
         with locked(Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True):
-            return compile_now(signature)
+            found = compile_now(signature)
+        if _kept_for_now and compiled.stats.cache_misses:  # none of what came with the installation
+            warnings.warn(f"{_kept_for_now}; name a folder in NUMBA_CACHE_DIR that it may write to", stacklevel=2)
+        return found
 
     compiled.compile = compile_or_load
     return compiled
