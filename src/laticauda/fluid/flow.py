@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law, OfFunction
 from laticauda.quantities import option, told, value

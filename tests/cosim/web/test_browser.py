@@ -10,7 +10,6 @@ from cockpit_browser import browser, shots, until
 from web_pages import by_python, difference
 
 import laticauda as lc
-from laticauda.cosim.web import export_web
 
 pytestmark = [
     pytest.mark.slow,
@@ -23,13 +22,6 @@ DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 def chromium():
     with browser() as found:
         yield found
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("page")
-    export_web(place, ("mamba", "mamba-fin"))
-    return place
 
 
 @pytest.fixture(scope="module")

@@ -17,14 +17,6 @@ pytestmark = [
     pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"),
 ]
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
-ROBOTS = ("mamba", "mamba-fin")  # for more: campaigns/web_page.py
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("page")
-    export_web(place, ROBOTS)
-    return place
 
 
 @needs_node
