@@ -1,4 +1,8 @@
 import re
+import socket
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -67,15 +71,25 @@ def test_a_bus_that_is_not_there_is_said():
         open_bus(BusAddress(interface="socketcan", channel="nosuch0"))
 
 
-def test_frames_go_between_buses_of_one_computer_and_to_plain_python_can():
+def plain_bus(address):
+    """As somebody else's program opens it."""
     import can
 
+    return can.Bus(interface="udp_multicast", channel=address.channel, port=address.port, hop_limit=0)
+
+
+def by_loopback(bus):
+    """A bus that sends by loopback, as all do where the system's routes say so of the group."""
+    bus._multicast._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+    return bus
+
+
+def test_frames_go_between_buses_of_one_computer_and_to_and_from_plain_python_can_by_loopback():
     address = bus_address("udp_multicast:239.74.163.99:43199")
     with open_bus(address) as one, open_bus(address) as other:
         one.send(to_frame(Sync(counter=7)))
         assert from_frame(other.recv(1.0)) == Sync(counter=7)
-        plain = {"interface": "udp_multicast", "channel": address.channel, "port": address.port, "hop_limit": 0}
-        with can.Bus(**plain) as foreign:
+        with by_loopback(plain_bus(address)) as foreign:
             one.send(to_frame(Sync(counter=8)))
             assert from_frame(foreign.recv(1.0)) == Sync(counter=8)
             foreign.send(to_frame(Sync(counter=9)))
@@ -83,13 +97,57 @@ def test_frames_go_between_buses_of_one_computer_and_to_plain_python_can():
             assert found == [Sync(counter=8), Sync(counter=9)]
 
 
-def test_frames_of_other_computers_are_not_heard():
+def test_frames_go_between_processes():
+    script = """
+import sys
+from laticauda.protocol import Sync, bus_address, from_frame, open_bus, to_frame
+with open_bus(bus_address(sys.argv[1])) as bus:
+    print(flush=True)
+    bus.send(to_frame(Sync(counter=from_frame(bus.recv(10.0)).counter + 1)))
+"""
+    text = "udp_multicast:239.74.163.99:43195"
+    words = [sys.executable, "-c", script, text]
+    with subprocess.Popen(words, stdout=subprocess.PIPE) as process, open_bus(bus_address(text)) as bus:
+        process.stdout.readline()
+        bus.send(to_frame(Sync(counter=1)))
+        assert [from_frame(bus.recv(10.0)) for _ in range(2)] == [Sync(counter=1), Sync(counter=2)]
+    assert process.returncode == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_the_group_is_joined_by_loopback_alone_and_no_address_of_a_network_is_bound():
+    with open_bus(bus_address("udp_multicast:239.74.163.97:43197")) as bus:
+        joined, device = [], ""
+        for line in Path("/proc/self/net/igmp").read_text().splitlines()[1:]:
+            device = line.split()[1] if line[0].isdigit() else device
+            joined += [device] if line.split()[0] == "61A34AEF" else []
+        assert joined == ["lo"]
+        assert bus._multicast._socket.getsockname() == ("239.74.163.97", 43197)
+
+
+def test_frames_that_come_by_a_network_are_not_heard():
     address = bus_address("udp_multicast:239.74.163.99:43198")
-    with open_bus(address) as bus:
-        listen = bus._multicast.recv
-        heard = (b"", ("192.0.2.1", 43198), 0.0)
-        listen.__closure__[[c for c in listen.__code__.co_freevars].index("listen")].cell_contents = lambda t: heard
-        assert listen(0.0) is None
+    try:
+        foreign = plain_bus(address)
+        foreign.send(to_frame(Sync(counter=1)))
+    except Exception as error:
+        pytest.skip(f"there is no network here: {error}")
+    with foreign, open_bus(address) as bus:
+        for counter in range(3):
+            foreign.send(to_frame(Sync(counter=counter)))  # looped back by the network's interface
+        assert bus.recv(0.3) is None
+
+
+def test_where_loopback_cannot_be_joined_there_is_no_bus(monkeypatch):
+    import can.interfaces.udp_multicast.bus as plain
+
+    def refused(*_):
+        raise OSError(19, "No such device")
+
+    monkeypatch.setattr("laticauda.protocol.can._local_socket", refused)
+    monkeypatch.setattr(plain.GeneralPurposeUdpMulticastBus, "send", refused)
+    with pytest.raises(BusFailed, match=r"The CAN bus udp_multicast:239.74.163.2:43113 cannot be opened: "):
+        open_bus(bus_address("udp_multicast"))
 
 
 def frame_bits(n_bytes):

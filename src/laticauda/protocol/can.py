@@ -10,13 +10,16 @@ What a bus delivers is not to be trusted: `decode` gives None for whatever is no
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
+import contextlib
 import ipaddress
 import itertools
 import socket
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
+from importlib import import_module
 from typing import Annotated, Any, Literal, NamedTuple, cast, get_args, get_origin, get_type_hints
 
 from laticauda.errors import BadArgument, LaticaudaError, finite
@@ -215,6 +218,7 @@ def from_frame(frame: Any) -> messages.CanMessage | None:
 
 
 GROUP, PORT = "239.74.163.2", 43113
+IP_MULTICAST_ALL = 49  # of Linux; Python does not name it
 CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
 """The usual ones."""
 
@@ -228,8 +232,8 @@ class BusAddress:
     """Which CAN bus.
 
     - `virtual`: within one process; the channel is any name.
-    - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. Frames do not leave this
-      computer, and those from elsewhere are not heard, unless `hops` says so. Everyone hears their own frames, too.
+    - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. It is joined by loopback
+      alone, where nobody else can send or hear, unless `hops` says so. Everyone hears their own frames, too.
     - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the operating system has set it
       to 1 Mbit/s.
     """
@@ -290,26 +294,49 @@ def open_bus(address: BusAddress) -> Any:
         optional_import("The CAN bus", "msgpack", "hardware")
         settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
     try:
-        bus = can.Bus(**settings)
+        return can.Bus(**settings) if address.interface != "udp_multicast" or address.hops else _local_bus(settings)
     except (can.CanError, OSError) as error:
-        raise BusFailed(f"The CAN bus {address} cannot be opened: {error}.") from error
-    if address.interface == "udp_multicast" and address.hops == 0:
-        _deafen(bus, address)
-    return bus
+        raise BusFailed(f"The CAN bus {address} cannot be opened: {error.__cause__ or error}.") from error
 
 
-def _deafen(bus: Any, address: BusAddress) -> None:
-    """Let a bus hear this computer only: python-can's socket takes datagrams from everywhere."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect((address.channel, address.port))
-            ours = probe.getsockname()[0]
-        except OSError:  # no network at all
-            return
-    listen = bus._multicast.recv
+def _local_bus(settings: Mapping[str, Any]) -> Any:
+    """A bus within this computer, of python-can but for its socket, which would join the group on a network."""
+    module = import_module("can.interfaces.udp_multicast.bus")
 
-    def recv(timeout: float | None = None) -> Any:
-        packet = listen(timeout)
-        return packet if packet is None or packet[1][0] == ours or packet[1][0].startswith("127.") else None
+    class Wire(module.GeneralPurposeUdpMulticastBus):
+        def _create_socket(self, address_family: int) -> socket.socket:
+            self.timestamp_nanosecond = False
+            return _local_socket(self.group, self.port)
 
-    bus._multicast.recv = recv
+    class LocalBus(module.UdpMulticastBus):
+        def __init__(self, *, channel: str, port: int, hop_limit: int, fd: bool) -> None:
+            module.BusABC.__init__(self, channel)
+            self._multicast, self._can_protocol = Wire(channel, port, hop_limit), module.CanProtocol.CAN_20
+
+    return LocalBus(**{name: one for name, one in settings.items() if name != "interface"})
+
+
+def _local_socket(group: str, port: int) -> socket.socket:
+    """A socket that sends to a multicast group by loopback, and hears what comes to it by loopback alone.
+
+    Raises:
+        OSError: If the system cannot do that.
+    """
+    found, loopback = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), socket.inet_aton("127.0.0.1")
+    try:
+        for name in ("SO_REUSEADDR", "SO_REUSEPORT"):
+            if hasattr(socket, name):
+                found.setsockopt(socket.SOL_SOCKET, getattr(socket, name), 1)
+        found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, loopback)
+        # What is sent to one of our own addresses in the network is for nobody in the group.
+        found.bind(("127.0.0.1" if sys.platform == "win32" else group, port))
+        found.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + loopback)
+        if sys.platform == "linux":  # else it would hear what others here have joined elsewhere
+            found.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
+            with contextlib.suppress(OSError):  # an older kernel, where that is for root alone
+                found.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lo\0")
+    except OSError:
+        found.close()
+        raise
+    return found
