@@ -1,6 +1,8 @@
 """Reading is bounded and says what is wrong; writing replaces a file as a whole or leaves it as it was."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -102,3 +104,54 @@ def test_a_link_goes_on_pointing_to_its_file_whose_mode_stays_and_a_device_stays
 def test_data_that_never_end_are_not_read_to_their_end():
     with pytest.raises(OSError, match="File too large"):
         read_bytes("/dev/zero", most_bytes=1000)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from laticauda.files import write
+
+write(Path(sys.argv[1]), lambda new: (new.write_text("half"), os.kill(os.getpid(), signal.SIGKILL)))
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="elsewhere nobody can ask whether a process is there")
+def test_what_a_killed_writer_left_is_removed_by_the_next_and_what_a_living_one_writes_stays(tmp_path: Path):
+    write(tmp_path / "a.txt", "old")
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "a.txt")], check=False)
+    assert len(os.listdir(tmp_path)) == 2
+    seen: list[list[str]] = []
+
+    def also_writes(new: Path) -> None:
+        new.write_text("b")
+        write(tmp_path / "c.txt", "c")
+        seen.append(sorted(os.listdir(tmp_path)))
+
+    write(tmp_path / "b.txt", also_writes)
+    assert [name for name in seen[0] if not name.startswith(".")] == ["a.txt", "c.txt"]
+    assert len(seen[0]) == 3  # its own, which it is just writing
+    assert sorted(os.listdir(tmp_path)) == ["a.txt", "b.txt", "c.txt"]
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+READ_ONLY = """
+import os, sys
+from laticauda.files import write
+
+if os.getuid() == 0:
+    os.setuid(65534)
+write(sys.argv[1], "new")
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no such rights")
+def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    file.chmod(0o444)
+    for folder in (tmp_path, *tmp_path.parents[:2]):
+        folder.chmod(0o777)
+    done = subprocess.run([sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "a.txt: cannot be written: it is read-only; make room there, or name another place." in done.stderr
+    assert (file.read_text(), os.listdir(tmp_path)) == ("old", ["a.txt"])

@@ -3,10 +3,12 @@
 import csv
 import errno
 import os
+import platform
 import shutil
 import tomllib
+import zlib
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ MOST_BYTES = 1 << 26
 """A text that a person or a program wrote for us is not longer than this."""
 MOST_DATA = 1 << 32
 """Nor is a table or a trial longer than this."""
+_HOST = f"{zlib.crc32(platform.node().encode()):08x}"
 
 
 def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
@@ -124,8 +127,9 @@ def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) 
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:
     """Put a file in its place as a whole, so that whoever reads it meets the old one or the new one.
 
-    It is written beside the place, under another name with the same ending, and then moved there. What is no plain
-    file, as a pipe or a device, is written to.
+    It is written beside the place, under another name with the same ending, and then moved there. What processes of
+    this computer left there that were killed meanwhile is removed. What is no plain file, as a pipe or a device, is
+    written to.
 
     Args:
         path: Of the file; its folder has to be there.
@@ -136,8 +140,11 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
     """
     target = Path(os.path.realpath(path))  # a link goes on pointing to the file
     is_plain = target.is_file() or not target.exists()
-    new = target.with_name(f".{os.getpid()}-{os.urandom(4).hex()}{target.suffix}") if is_plain else target
+    new = target.with_name(f".{os.getpid()}-{_HOST}{os.urandom(4).hex()}{target.suffix}") if is_plain else target
     try:
+        if target.exists() and not os.access(target, os.W_OK):  # a move would ask the folder alone
+            raise PermissionError(errno.EACCES, "it is read-only")
+        _clear(target.parent)
         if callable(content):
             new.open("ab").close()  # what stands in the way is said by the system, not by a library in its own words
             content(new)
@@ -154,7 +161,18 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
         raise StorageFailed(f"{path}: cannot be written: {reason}; make room there, or name another place.") from error
     finally:
         if is_plain:
-            new.unlink(missing_ok=True)
+            with suppress(OSError):  # it could not be made
+                new.unlink()
+
+
+def _clear(folder: Path) -> None:
+    """Remove what processes of this computer that are no more had not moved to its place."""
+    for left in folder.glob(f".[0-9]*-{_HOST}*") if os.name == "posix" else ():
+        with suppress(OSError, ValueError):
+            try:
+                os.kill(int(left.name[1:].partition("-")[0]), 0)  # no signal, a question
+            except ProcessLookupError:
+                left.unlink()
 
 
 @contextmanager

@@ -188,3 +188,46 @@ def test_a_bug_is_not_hidden_as_bad_input(run, monkeypatch):
 def test_the_output_can_be_written_where_there_is_no_unicode():
     done = shell("robots", env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0, done.stderr
+
+
+INTERRUPTED = """
+import os, signal, sys
+from laticauda.cli import main
+
+def interrupt(event, args):
+    if event == "import" and args[0] == sys.argv[1]:
+        os.kill(os.getpid(), signal.SIGINT)
+
+sys.addaudithook(interrupt)
+sys.exit(main(["swim", "--duration", "1"]))
+"""
+
+
+@pytest.mark.parametrize("module", ["tyro", "numpy", "numba.core.registry"])
+def test_ctrl_c_while_something_is_imported_is_one_line(module: str):
+    words = [sys.executable, "-c", INTERRUPTED, module]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "laticauda: stopped.\n")
+
+
+TWICE = """
+import os, signal, sys
+from laticauda import cli
+from laticauda.cli import app
+
+def work(args):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        os.kill(os.getpid(), signal.SIGINT)
+        print("goes on")
+
+app.main = work
+cli.main([])
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="another end of processes")
+def test_a_second_ctrl_c_ends_it_at_once():
+    done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")

@@ -1,5 +1,55 @@
-"""The command `laticauda`: text in, one call, text out."""
+"""The command `laticauda`: text in, one call, text out.
 
-from laticauda.cli.app import main
+Ctrl-C ends it with one line, in the midst of imports too, where Python and libraries would say much more; a second one
+ends it at once. Only this is imported before the program listens for it.
+"""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from types import FrameType
 
 __all__ = ["main"]
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Args:
+        args: The words behind the program's name; None takes those of this process, which ends with this call.
+
+    Returns:
+        The exit status.
+    """
+    usual, before = signal.default_int_handler, sys.unraisablehook
+    is_ours = signal.getsignal(signal.SIGINT) is usual and threading.current_thread() is threading.main_thread()
+    if is_ours:
+        signal.signal(signal.SIGINT, _stop)
+        sys.unraisablehook = lambda lost: os._exit(_say()) if lost.exc_type is KeyboardInterrupt else before(lost)
+    try:
+        from laticauda.cli import app
+
+        return app.main(args)
+    except KeyboardInterrupt:
+        return _say()
+    finally:
+        if is_ours:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual)
+            sys.unraisablehook = before
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    """Interrupt what is done; while something is being imported, end: half of a module is of use to nobody."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            os._exit(_say())
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def _say() -> int:
+    print("laticauda: stopped.", file=sys.stderr, flush=True)
+    return 130

@@ -6,7 +6,7 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
+from laticauda.files import write
 from laticauda.pictures import lines, replay, stage
 from laticauda.pictures.camera import Film, ripple_period, view
 from laticauda.trial import Trial
@@ -91,7 +92,7 @@ def still(
     begin, end = film.span(trial)
     moment = end if time is None else within("time", time, begin, end, "s")
     [picture] = pictures(trial, film, [moment], beside=beside)
-    Image.fromarray(picture).save(path, optimize=True)
+    write(path, partial(Image.fromarray(picture).save, optimize=True))
 
 
 def pictures(
@@ -234,23 +235,26 @@ def write_video(
     Raises:
         MissingProgram: If there is no ffmpeg.
         VideoFailed: If it gives up.
+        StorageFailed: If the file cannot be written.
     """
-    unfinished = Path(path).with_name(f".{Path(path).stem}.unfinished.mp4")
+    write(path, lambda new: _encode(pictures, path, new, size, frames_per_second))
+
+
+def _encode(
+    pictures: Iterable[stage.Picture], path: str | Path, new: Path, size: tuple[int, int], frames_per_second: float
+) -> None:
+    """Let ffmpeg write a new file, which messages call as the one whose place it will take."""
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     words += ["-s", f"{size[0]}x{size[1]}", "-r", f"{frames_per_second:g}", "-i", "-", "-an", "-c:v", "libx264"]
     words += ["-preset", PRESET, "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
     # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
-    try:
-        with tempfile.TemporaryFile() as complaints:
-            process = subprocess.Popen([*words, str(unfinished)], stdin=subprocess.PIPE, stderr=complaints)
-            with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
-                assert process.stdin is not None
-                for picture in pictures:
-                    process.stdin.write(picture.tobytes())
-            if process.returncode != 0:
-                complaints.seek(0)
-                lines = complaints.read().decode(errors="replace").strip().splitlines()
-                raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with tempfile.TemporaryFile() as complaints:
+        process = subprocess.Popen([*words, str(new)], stdin=subprocess.PIPE, stderr=complaints)
+        with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
+            assert process.stdin is not None
+            for picture in pictures:
+                process.stdin.write(picture.tobytes())
+        if process.returncode != 0:
+            complaints.seek(0)
+            lines = complaints.read().decode(errors="replace").strip().splitlines()
+            raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")

@@ -3,7 +3,6 @@
 Shapes have no mass; the bodies have their own. Collision shapes are in group 3, which MuJoCo's viewer hides at first.
 """
 
-import shutil
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
+from laticauda.files import write
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
 
@@ -109,7 +109,7 @@ def copied(files: Sequence[Path], beside: Path) -> list[str]:
         if source not in places:
             folder.mkdir(exist_ok=True)
             name = f"{len(places)}_{file.name}"  # two folders may have files of the same name
-            shutil.copyfile(source, folder / name)
+            write(folder / name, source.read_bytes())
             places[source] = f"{folder.name}/{name}"
     return [places[file.resolve()] for file in files]
 

@@ -81,8 +81,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
     with storage(path, "0 trials are stored"):
         path.mkdir(parents=True, exist_ok=True)
     if not (path / mark).exists():
-        unfinished = set(path.glob(_UNFINISHED))
-        others = sorted(file.name for file in path.iterdir() if file not in unfinished)
+        others = sorted(file.name for file in path.iterdir() if not file.match(_UNFINISHED))
         if others:
             listed = ", ".join(others[:MOST_DIFFERENCES]) + (", ..." if len(others) > MOST_DIFFERENCES else "")
             raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with {listed}")
@@ -91,7 +90,8 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
             held.enter_context(locked(path, wait=False))
         except BlockingIOError as error:
             raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
-        for left in path.glob(_UNFINISHED):
+        # Zarr's files are called otherwise until they are whole.
+        for left in (*path.glob(_UNFINISHED), *path.rglob("*.partial")):
             left.unlink(missing_ok=True)
         yield
 

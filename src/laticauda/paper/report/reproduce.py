@@ -1,11 +1,14 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
+import os
+import signal
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from threading import Thread
 from typing import Any, NamedTuple, Unpack
@@ -260,15 +263,29 @@ def _run(
     told = context.SimpleQueue()
     listener = Thread(target=_listen, args=(told, progress), daemon=True)
     listener.start()
-    workers = min(workers, len(names))
+    workers, others = min(workers, len(names)), set(active_children())
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_remember, initargs=(told,)) as pool:
-        running = {pool.submit(do, name, _tell): name for name in names}
+        with _deaf() if hasattr(signal, "pthread_sigmask") else nullcontext():  # not on Windows
+            running = {pool.submit(do, name, _tell): name for name in names}
         try:
-            return {running[future]: future.result() for future in as_completed(running)}
-        finally:
-            pool.shutdown(cancel_futures=True)
-            told.put(None)
-            listener.join()
+            done = {running[future]: future.result() for future in as_completed(running)}
+        except BaseException:
+            for worker in set(active_children()) - others:
+                worker.terminate()  # its files are whole, or not at their place
+            raise
+        told.put(None)
+        listener.join()
+    return done
+
+
+@contextmanager
+def _deaf() -> Generator[None]:
+    """Ctrl-C is for this process, which ends its workers: those that are started here never get to know of it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _do(
@@ -299,6 +316,13 @@ _told: Any = None
 def _remember(told: Any) -> None:
     global _told
     _told = told
+    Thread(target=_end_with, args=(parent_process(),), daemon=True).start()
+
+
+def _end_with(parent: Any) -> None:
+    """Nobody waits for the work of a program that was killed."""
+    parent.join()
+    os._exit(1)
 
 
 def _tell(what: str, done: int, total: int) -> None:
