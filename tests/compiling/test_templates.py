@@ -90,7 +90,7 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
     ("script", "file", "old", "new"),
     [
         (TOW, "fluid/laws.py", "f_n = -element.c_n", "f_n = -2.0 * element.c_n"),
-        (SWIM, "actuation/laws.py", "return torque, proportional", "return 0.5 * torque, proportional"),
+        (SWIM, "actuation/laws.py", "k_p * (reference - angle), k_p", "0.5 * k_p * (reference - angle), k_p"),
     ],
     ids=["planar", "spatial"],
 )

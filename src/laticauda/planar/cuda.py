@@ -110,31 +110,9 @@ def _target() -> Target:
     """How the templates become functions of the GPU: every number is one float, and rows are columns."""
     device = cuda.jit(device=True)
 
-    @device
-    @no_type_check
-    def itself(x):
-        return x
-
-    @device
-    @no_type_check
-    def where(condition, a, b):
-        return a if condition else b
-
-    @device
-    @no_type_check
-    def magnitude(x):
-        return -x if x < 0.0 else x
-
-    @device
-    @no_type_check
-    def sincos(x):
-        return math.sin(x), math.cos(x)
-
-    @device
-    @no_type_check
-    def expm1(x):
-        return math.expm1(x)
-
+    itself: Any = device(lambda x: x)
+    where: Any = device(lambda condition, a, b: a if condition else b)
+    magnitude: Any = device(lambda x: -x if x < 0.0 else x)
     always: Any = "always"
 
     @cuda.jit(device=True, inline=always)  # no function of a GPU may return a part of an array
@@ -148,13 +126,11 @@ def _target() -> Target:
         in_lanes=lambda function: function,
         formulas={scalars.where: where, scalars.magnitude: magnitude, scalars.first_lane: itself},
         instead={
-            "rows_of": itself,
-            "any_lane": itself,
-            "first_lane": itself,
+            **dict.fromkeys(("rows_of", "any_lane", "first_lane"), itself),
             "where": where,
             "magnitude": magnitude,
-            "sincos": sincos,
-            "expm1": expm1,
+            "sincos": device(lambda x: (math.sin(x), math.cos(x))),
+            "expm1": device(lambda x: math.expm1(x)),
             "free_joints": free_joints,
         },
     )

@@ -19,21 +19,16 @@ from laticauda.compiling.templates import bindings
 from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
 
-_names = bindings(__name__)
-_loads = _names["loads"]
-added_mass_velocity_terms = _loads.added_mass_velocity_terms
-element_drag = _loads.element_drag
-extra_loads = _loads.extra_loads
-water_around = _loads.water_around
+loads = bindings(__name__)["loads"]
 
 
 @kernel
 def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, whole):
     """Accelerations of the base and of the free joints, for the state in S; `whole`: those of all bodies too."""
     velocities(S, n)
-    water_around(S, n, first_strip, first_plate, tail_link, has_extras)
+    loads.water_around(S, n, first_strip, first_plate, tail_link, has_extras)
     if has_extras:
-        extra_loads(S, n, first_strip, first_plate, tail_link)
+        loads.extra_loads(S, n, first_strip, first_plate, tail_link)
     floating_base(S, inward(S, n, is_free, whole))
     outward(S, n, is_free, whole)
 
@@ -127,8 +122,8 @@ def own_inertia(S, b):
 def own_bias(S, b):
     """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
     rate = S[b + LINK_RATE]
-    f_t, f_n, moment = added_mass_velocity_terms(S, b)
-    drag_t, drag_n, drag_moment = element_drag(S, b, b + CENTER)
+    f_t, f_n, moment = loads.added_mass_velocity_terms(S, b)
+    drag_t, drag_n, drag_moment = loads.element_drag(S, b, b + CENTER)
     f_t += drag_t + S[b + EXTRA_T] + S[b + CENTRIPETAL] * rate * rate
     f_n += drag_n + S[b + EXTRA_N]
     moment += drag_moment + S[b + EXTRA_MOMENT]
