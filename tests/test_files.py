@@ -155,3 +155,12 @@ def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
     assert done.returncode != 0
     assert "a.txt: cannot be written: it is read-only; make room there, or name another place." in done.stderr
     assert (file.read_text(), os.listdir(tmp_path)) == ("old", ["a.txt"])
+
+
+@pytest.mark.parametrize("address", ["s3://bucket/run.toml", "memory://x", Path("gs://a/b"), "file:///tmp/x.toml"])
+def test_an_address_is_no_file_and_never_becomes_a_folder(tmp_path: Path, monkeypatch, address):
+    monkeypatch.chdir(tmp_path)
+    for read_or_write in (read_text, read_bytes, lambda path: write(path, b"x")):
+        with pytest.raises(StorageFailed, match=r"^\w+:/.* is an address; give a path on this computer"):
+            read_or_write(address)
+    assert not list(tmp_path.iterdir())

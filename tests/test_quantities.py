@@ -62,7 +62,7 @@ class Leg:
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 SOURCES = Path(laticauda.__file__).parent
-limited = st.floats(-LIMITS[""], LIMITS[""])
+limited = st.floats(-LARGEST, LARGEST)
 
 MODULES = [
     path.relative_to(SOURCES.parent).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
@@ -158,6 +158,13 @@ def test_a_side_without_a_bound_is_that_of_the_unit_in_a_value_too():
     with pytest.raises(ValueError, match=r"^`place\[1\]` must be >= -1e\+06 m, got -2000000\.0\.$"):
         Leg(length=1.0, place=(0.0, -2e6))
     assert Leg(length=1e6).lasting == math.inf
+
+
+@pytest.mark.parametrize("number", [1e-308, 5e-324, 9e-10])
+def test_what_is_above_0_is_not_so_small_that_it_must_be_a_slip(number: float):
+    with pytest.raises(ValueError, match=rf"^`length` must be >= 1e-09 m, got {number}\.$"):
+        Leg(length=number)
+    assert Leg(length=1e-9).length == 1e-9
 
 
 def values() -> Iterator[type]:

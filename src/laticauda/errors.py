@@ -183,8 +183,8 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     raise BadArgument(name, f"must be one of {listed}, got {shown(value)}{hint}")
 
 
-def instance(name: str, value: object, *kinds: type) -> None:
-    """Refuse a `value` that is an object of none of these classes.
+def instance(name: str, value: object, *kinds: type) -> object:
+    """Return `value` if it is an object of one of these classes.
 
     Args:
         name: The argument's name, as its user knows it.
@@ -192,11 +192,12 @@ def instance(name: str, value: object, *kinds: type) -> None:
         kinds: The classes that will do.
 
     Raises:
-        ValueError: If `value` is of another class.
+        ValueError: If it is not.
     """
     if not isinstance(value, kinds):
         wanted = " or ".join(kind.__name__ for kind in kinds)
         raise BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
+    return value
 
 
 def flag(name: str, value: object) -> bool:

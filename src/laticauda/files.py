@@ -21,6 +21,21 @@ MOST_DATA = 1 << 32
 _HOST = f"{zlib.crc32(platform.node().encode()):08x}"
 
 
+def local(path: str | Path) -> Path:
+    """A place on this computer: object stores have neither the locks nor the renaming that files are kept by.
+
+    Args:
+        path: What was given.
+
+    Raises:
+        StorageFailed: If it is an address, as `s3://bucket/sweep`.
+    """
+    place = Path(path)
+    if place.parts and place.parts[0][2:].endswith(":"):  # a drive's name has one letter
+        raise StorageFailed(f"{path}: is an address; give a path on this computer, and copy from or to there besides")
+    return place
+
+
 def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
     """All of a file, of data that a program wrote.
 
@@ -31,7 +46,7 @@ def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
     Raises:
         OSError: If it cannot be read, or is longer.
     """
-    with Path(path).open("rb") as file:
+    with local(path).open("rb") as file:
         content = file.read(most_bytes + 1)
     if len(content) > most_bytes:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
@@ -56,6 +71,7 @@ def read_text(
     Raises:
         LaticaudaError: As `error` says.
     """
+    local(path)
     try:
         content = read_bytes(path, most_bytes)
     except FileNotFoundError:
@@ -138,7 +154,7 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
     Raises:
         StorageFailed: If it cannot be written; what was there before is still there.
     """
-    target = Path(os.path.realpath(path))  # a link goes on pointing to the file
+    target = Path(os.path.realpath(local(path)))  # a link goes on pointing to the file
     is_plain = target.is_file() or not target.exists()
     new = target.with_name(f".{os.getpid()}-{_HOST}{os.urandom(4).hex()}{target.suffix}") if is_plain else target
     try:

@@ -32,25 +32,17 @@ DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 """What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
 
 LIMITS = {
-    "": 2.0**63,  # whole numbers of 64 bits, of seeds say
-    "A": 1e5,
-    "Hz": 1e6,
-    "K/W": 1e6,
-    "V": 1e5,
-    "deg": 1e8,
-    "deg C": 1e4,
-    "degC": 1e4,
     "kg/m^3": 25e3,  # osmium has 22 590
-    "m": 1e6,
-    "m/s^2": 1e6,
-    "m^2": 1e6,
-    "m^3": 1e9,
-    "ohm": 1e6,
-    "rad": 1e6,
+    **dict.fromkeys(("A", "V", "deg C", "degC", "m/s"), 1e4),
+    **dict.fromkeys(("Hz", "K/W", "deg", "kg", "m", "m/s^2", "m^2", "m^3", "ohm", "rad"), 1e6),
 }
 """How large a number of a unit may be where its field declares no bound on that side: beyond it, it is a slip."""
 LARGEST = 1e12
 """The same for all other units: far beyond any swimmer, and far from where sums and squares of numbers overflow."""
+LEAST = {"m": 1e-9, "kg": 1e-9, "kg/m^3": 1e-9}
+"""How small a number of a unit may be where its field says that it is above 0: below it, it is a slip."""
+SMALLEST = 1e-12
+"""The same for all other units: far below any swimmer, and far from where quotients and squares leave all range."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +100,8 @@ class Quantity:
     @property
     def least(self) -> float:
         """The smallest number that is declared to do; minus infinity if there is none."""
-        return max(self.ge, math.nextafter(self.gt, math.inf) if math.isfinite(self.gt) else self.gt)
+        above = LEAST.get(self.unit, SMALLEST) if self.gt == 0.0 else math.nextafter(self.gt, math.inf)
+        return max(self.ge, above if math.isfinite(self.gt) else self.gt)
 
     @property
     def range(self) -> str:
@@ -324,7 +317,7 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
     if hint in (bool, str):
         return flag if hint is bool else text
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
-        return _instance_of((hint,))
+        return lambda name, given: instance(name, given, hint)
     return None
 
 
@@ -340,21 +333,14 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
         things = " or a ".join([_things(item, counts, declared), *words])
         check = functools.partial(_several, _check_of(item, declared), things, counts)
         return lambda name, given: given if isinstance(given, (*others,)) else check(name, given)
-    return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
-
-
-def _instance_of(kinds: tuple[type, ...]) -> Check:
-    def check(name: str, given: Any) -> Any:
-        instance(name, given, *kinds)
-        return given
-
-    return check
+    is_class = all(isinstance(one, type) for one in kinds) and declared is None
+    return (lambda name, given: instance(name, given, *kinds)) if is_class else None
 
 
 def _whole(declared: Quantity, name: str, given: Any) -> int:
     least = -sys.maxsize if math.isinf(declared.least) else math.ceil(declared.least)
     number = whole(name, given, least)
-    declared.checked(name, number)
+    dataclasses.replace(declared, le=min(declared.le, 2.0**63)).checked(name, number)  # of seeds, say
     return number
 
 

@@ -36,3 +36,10 @@ def test_a_run_that_failed_at_once_has_a_summary_too(make_trial):
         "`time` must have at least 2 samples for a mean over time, got 1."
     )
     json.dumps(summary, allow_nan=False)
+
+
+def test_a_figure_that_is_not_finite_is_none_and_its_reason_stands_beside_it(make_trial):
+    summary = make_trial(speed=1e200).summary()
+    assert summary["path_speed"] is None
+    assert "`path_speed` must be a finite number" in summary["not_available"]["path_speed"]
+    json.dumps(summary, allow_nan=False)

@@ -111,7 +111,7 @@ def begin(folder: Path, robot: Robot) -> list[str]:
     head = ["time_s", "x_m", "y_m", "yaw_deg", *(f"joint_{i}_deg" for i in range(1, robot.planar().n_joints + 1))]
     contents = {one.name: one.read_text(encoding="utf-8") for one in sorted(FILES.iterdir())}
     contents |= {"robot.toml": to_toml(robot)} | {f"{run}.csv": ",".join(head) + "\n" for run in _RUNS}
-    folder.mkdir(parents=True, exist_ok=True)
+    files.local(folder).mkdir(parents=True, exist_ok=True)
     new = [name for name in contents if not (folder / name).exists()]
     for name in new:
         files.write(folder / name, contents[name])

@@ -39,7 +39,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
             file's name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
-    path = Path(path)
+    path = files.local(path)
     if columns is not None:
         given = columns if isinstance(columns, column_maps.ColumnMap) else column_maps.load_column_map(columns)
         with _failures_of(path):
@@ -97,7 +97,7 @@ def _failures_of(path: Path) -> Generator[None]:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
-    except (ValueError, TypeError) as error:  # a text or an array that is not as it was written
+    except (ValueError, TypeError, RecursionError) as error:  # a text or an array that is not as it was written
         raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 

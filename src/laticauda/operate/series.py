@@ -184,7 +184,7 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
             rows.append((KINDS[gait.kind], config, *angles, velocity, "" if power is None else power))
     text = io.StringIO(newline="")
     csv.writer(text).writerows([COLUMNS, *rows])
-    folder.mkdir(parents=True, exist_ok=True)
+    files.local(folder).mkdir(parents=True, exist_ok=True)
     files.write(folder / "repeats.csv", text.getvalue())
 
 

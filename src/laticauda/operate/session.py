@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda import lab, scenarios
+from laticauda import files, lab, scenarios
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import TrialFileError
 from laticauda.operate import drivers, loop, settings, terminal
@@ -149,7 +149,7 @@ def operate(
             devices = loop.TankDevices(tank, has_meter=bool(operation.connection.meter_port))
             longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
         if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            files.local(path).parent.mkdir(parents=True, exist_ok=True)
             recorder = stack.enter_context(OperationRecorder(path, header))
             if tank is None:
                 thread = stack.enter_context(ThreadPoolExecutor(1, "laticauda-recorder"))

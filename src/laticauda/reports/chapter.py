@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from laticauda.errors import BadArgument
 from laticauda.extras import optional_import
-from laticauda.files import write
+from laticauda.files import local, write
 from laticauda.reports.texts import Row, as_csv, form_of, in_digits, is_numeric, share, shown, span
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def writable_folder(folder: str | Path) -> Path:
     Raises:
         ValueError: If it cannot be made, or no file can be written there.
     """
-    path = Path(folder)
+    path = local(folder)
     if path.exists() and not path.is_dir():
         raise BadArgument("folder", f"must be a folder, got the file {folder}")
     try:

@@ -80,7 +80,7 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
         speed, power = _size(end - start) / duration, work / duration
         mean = cast(np.ndarray, np.where([powered[id(run.plant)] for run in runs], power[3], power[0]))
         begin = hermite((steady.start - at) / step, step, (a, c), (b, d))
-        return {
+        found = {
             "forward_velocity": speed,
             "steady_velocity": _size(end - begin) / (duration - steady.start),
             "mechanical_power": power[0],
@@ -92,6 +92,7 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
             "y": end[1],
             "heading": heading,
         }
+        return {name: np.where(np.isfinite(one), one, np.nan) for name, one in found.items()}
 
 
 def _size(vector: np.ndarray) -> np.ndarray:

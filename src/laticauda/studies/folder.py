@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from laticauda.errors import BadArgument, StorageFailed
-from laticauda.files import locked
+from laticauda.files import local, locked
 
 FORMAT = 2
 """Of the definitions: 1, without a number, held no scenario."""
@@ -76,7 +76,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
         ValueError: If it is a file, holds files of somebody else, or another process writes to it.
         StorageFailed: If it cannot be made.
     """
-    if path.exists() and not path.is_dir():
+    if local(path).exists() and not path.is_dir():
         raise BadArgument("folder", f"must be a folder, got the file {path}")
     with storage(path, "0 trials are stored"):
         path.mkdir(parents=True, exist_ok=True)

@@ -71,7 +71,7 @@ class Checkpoint:
             with np.load(content, allow_pickle=False) as file:
                 stored: Any = json.loads(str(file[DEFINITION]))
                 tried = {name: file[name] for name in (POINTS, *COLUMNS)}
-        except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        except (ValueError, KeyError, EOFError, OSError, RuntimeError, zipfile.BadZipFile) as error:
             raise BadArgument("folder", f"must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}") from error
         check_same(self.folder, JOB, stored, self.definition)
         if tried[POINTS].ndim != 2 or len({len(column) for column in tried.values()}) > 1:

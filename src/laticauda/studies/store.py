@@ -26,7 +26,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument, one_of, whole
 from laticauda.extras import optional_import
-from laticauda.files import read_text, write
+from laticauda.files import local, read_text, write
 from laticauda.simulate.numbers import parameters
 from laticauda.studies import trials
 from laticauda.studies.folder import as_stored, check_same, owned, storage
@@ -178,12 +178,12 @@ def regions_of(folder: str | Path) -> Regions:
 
 
 def _definition(path: Path) -> dict[str, Any] | None:
-    file = path / DEFINITION
+    file = local(path) / DEFINITION
     if not file.is_file():
         return None
     try:
         found = json.loads(read_text(file))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # of lists in lists in lists
         raise BadArgument("folder", f"must hold a readable `{DEFINITION}`, got {path}: {error}") from error
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
         raise BadArgument("folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one")

@@ -115,7 +115,7 @@ def swim_points(
 
     interval = scenario.sample_interval
     found = collected(runs, scenario.duration, interval, threads, None, look=look, with_joints=True)
-    kept = {name: np.where(found.succeeded, values, np.nan) for name, values in joints.items()}
+    kept = {name: np.where(found.succeeded & np.isfinite(values), values, np.nan) for name, values in joints.items()}
     return {**{name: found.figures[name] for name in FIGURES if name not in kept}, **kept, "succeeded": found.succeeded}
 
 

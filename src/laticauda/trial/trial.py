@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.trial import contents, cycles, formats, metrics
 from laticauda.trial.dataset import fields_of, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
@@ -25,6 +26,8 @@ class Figure:
         unit: Its unit; "" for a pure number.
         title: What it is, in a few words.
         of: The figure of a trial; it raises a ValueError that says why there is none.
+
+    A figure that is not finite is none, wherever it is asked for.
     """
 
     def __init__(self, unit: str, title: str, of: Callable[[Any], float]) -> None:
@@ -42,7 +45,11 @@ class Figure:
     def __get__(self, trial: object, owner: type) -> Self | float:
         if trial is None:
             return self
-        found = vars(trial)[self.name] = float(self._of(trial))  # found there from now on
+        with np.errstate(all="ignore"):
+            found = float(self._of(trial))
+        if not np.isfinite(found):
+            raise BadArgument(self.name, f"must be a finite number, and this run's samples make it {found}")
+        vars(trial)[self.name] = found  # found there from now on
         return found
 
 

@@ -73,7 +73,7 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
         RobotFileError: If there is no robot of a name.
         MissingExtra: If the package `ziglang`, which links WebAssembly, is not installed.
     """
-    place = Path(folder)
+    place = files.local(folder)
     entries = [_entry(one) for one in robots or ROBOTS]
     plants = {fin["law"]: fin.pop("plant") for one in entries for fin in one["fins"].values()}
     browser = platforms.platform_of("wasm32")
