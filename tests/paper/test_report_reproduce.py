@@ -92,7 +92,7 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
     monkeypatch.setattr(module, "CHAPTERS", {})
     for name in ("claims_chapter", "summary_chapter"):
-        monkeypatch.setattr(module, name, lambda *found: module.paper_chapter("words", {}, values={}))
+        monkeypatch.setattr(module, name, lambda *found: module.paper_chapter(name="words", values={}))
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results) == {"path_following"}
 

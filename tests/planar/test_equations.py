@@ -52,7 +52,9 @@ class Problem(NamedTuple):
 
 
 def numbers(shape: Any, low: float, high: float) -> st.SearchStrategy[np.ndarray]:
-    return arrays(np.float64, shape, elements=st.floats(low, high, allow_subnormal=False))
+    # A trailing edge sheds only where it moves forward: a speed that is next to nothing has no sign in a moving frame.
+    digits = st.floats(low, high, allow_subnormal=False).map(lambda number: round(number, 9))
+    return arrays(np.float64, shape, elements=digits)
 
 
 POLYNOMIAL = st.builds(
