@@ -22,7 +22,7 @@ CONTROLLERS: dict[str, str] = {
     "path-following": "laticauda.control.path_following",
     "spatial-path-following": "laticauda.control.path_following",
     "model-predictive": "laticauda.control.predictive",
-    "offset-steps": "laticauda.control.averaging",
+    "offset-steps": "laticauda.control.averaged",
 }
 """Where the controllers are that come with the package; they are imported when one is named."""
 EFFECTORS = (("thrusts", "thrusters", "thrust", "N"), ("deflections", "pectoral_fins", "deflection", "rad"))

@@ -11,7 +11,7 @@ import laticauda as lc
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.identify import Unknown, fit
 from laticauda.identify.candidates import from_tow
-from laticauda.identify.discrimination import discriminate, wrong
+from laticauda.identify.design import discriminate, wrong
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem

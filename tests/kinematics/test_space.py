@@ -11,7 +11,7 @@ from laticauda.kinematics import (
     link_angles,
     module_poses,
     to_quaternion,
-    turned_about_vertical,
+    turn,
 )
 from laticauda.robot import load_robot
 
@@ -22,7 +22,7 @@ ANGLES = st.floats(-1.0, 1.0)
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin"])
 def test_a_level_robot_is_where_the_plane_has_it(name, yaw, tail):
     robot = load_robot(name)
-    poses = module_poses(robot, np.array([1.0, 2.0, -0.3]), turned_about_vertical(tail), np.array(yaw))
+    poses = module_poses(robot, np.array([1.0, 2.0, -0.3]), turn("yaw", tail), np.array(yaw))
     links = link_angles(np.array(yaw), angle=tail, link=0)
     expected = Posture(robot, np.array([1.0, 2.0]), links).link_centers
     np.testing.assert_allclose(poses.position[:, :2], expected, atol=1e-12)
@@ -35,7 +35,7 @@ def test_a_level_robot_is_where_the_plane_has_it(name, yaw, tail):
 def test_the_masses_middle_is_the_center_of_mass(angles):
     robot = load_robot("mamba-modules")
     center = np.array([0.3, -0.2, 0.1])
-    poses = module_poses(robot, center, turned_about_vertical(0.4), np.array(angles), ballast_depth=0.005)
+    poses = module_poses(robot, center, turn("yaw", 0.4), np.array(angles), ballast_depth=0.005)
     masses = np.array([module.mass for module in robot.modules])
     middles = poses.position - 0.005 * poses.rotation[:, :, 2]
     np.testing.assert_allclose(masses @ middles / masses.sum(), center, atol=1e-12)
@@ -59,7 +59,7 @@ def test_positive_pitch_turns_the_head_down_and_positive_yaw_to_the_left():
 def test_a_quaternion_about_the_vertical_is_that_turn(angle):
     half = 0.5 * angle
     found = from_quaternion(math.cos(half), 0.0, 0.0, math.sin(half))
-    np.testing.assert_allclose(found, turned_about_vertical(angle), atol=1e-12)
+    np.testing.assert_allclose(found, turn("yaw", angle), atol=1e-12)
 
 
 def test_a_spatial_body_is_where_its_model_has_it():

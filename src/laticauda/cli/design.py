@@ -15,8 +15,7 @@ from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.identify import tasks
 from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swims
-from laticauda.identify.design import Design, Judged, design, known_from
-from laticauda.identify.discrimination import Discrimination, discriminate, wrong
+from laticauda.identify.design import Design, Discrimination, Judged, design, discriminate, known_from, wrong
 from laticauda.identify.identifiability import LIMIT, marginal
 from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem

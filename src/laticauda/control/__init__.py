@@ -4,7 +4,7 @@ Knows no model and no hardware: the same controller steers the planar model and 
 """
 
 from laticauda.control.averaged import AveragedModel as AveragedModel
-from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
+from laticauda.control.averaged import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
 from laticauda.control.current import CurrentObserver as CurrentObserver
 from laticauda.control.following import Course as Course, Following as Following
 from laticauda.control.frames import Path as Path, PathFrame as PathFrame

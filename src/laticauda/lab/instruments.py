@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.actuation.laws import Drive, Servo
-from laticauda.kinematics import ModulePoses, turned_about_vertical
+from laticauda.kinematics import ModulePoses, turn
 from laticauda.lab import nodes, virtual_robot
 from laticauda.lab.settings import LabSettings, MocapSettings, SupplySettings
 from laticauda.protocol import BodyPose, MeterReading, MocapFrame, meter
@@ -28,8 +28,8 @@ class Cameras:
 
     def __init__(self, settings: MocapSettings, random: np.random.Generator) -> None:
         self.settings, self._random = settings, random
-        self._turn = turned_about_vertical(settings.mount_yaw)
-        self._frame = turned_about_vertical(settings.frame_yaw)
+        self._turn = turn("yaw", settings.mount_yaw)
+        self._frame = turn("yaw", settings.frame_yaw)
         self._number = 0
 
     def look(self, modules: ModulePoses, time: float, *, hidden: bool = False) -> MocapFrame | None:

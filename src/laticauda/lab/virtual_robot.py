@@ -13,7 +13,7 @@ from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.interfaces import ORIENTATION, Command, Start
-from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
+from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turn
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
@@ -137,7 +137,7 @@ class VirtualRobot:
         if ORIENTATION[0] in log.signals:
             rotation = from_quaternion(*(float(log.signals[name][-1]) for name in ORIENTATION))
         else:
-            rotation = turned_about_vertical(float(log.link_angle[-1, 0]))
+            rotation = turn("yaw", float(log.link_angle[-1, 0]))
         ballast = float(getattr(self.plant.settings, "ballast_depth", 0.0))
         return Truth(
             time=float(log.time[-1]),

@@ -15,8 +15,7 @@ from laticauda.errors import MissingProgram
 from laticauda.extras import load_mujoco, optional_import
 from laticauda.fluid.arrows import MOMENTS, has_waves
 from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
-from laticauda.pictures.surroundings import add_surroundings, casters, draw_shadows
-from laticauda.pictures.water import MovingWater
+from laticauda.pictures.surroundings import MovingWater, add_surroundings, casters, draw_shadows
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot

@@ -21,16 +21,7 @@ from laticauda.planar.rows import *
 
 _names = bindings(__name__)
 rows_of = lane_types.rows_of(_names["WIDTH"])
-body_forces = _names["loads"].body_forces
-accelerations = _names["recursion"].accelerations
-holding_torques = _names["recursion"].holding_torques
-_drives = _names["drives"]
-advance_reference = _drives.advance_reference
-set_decay = _drives.set_decay
-set_reference = _drives.set_reference
-joint_torques = _drives.joint_torques
-second_torques = _drives.second_torques
-count_work = _drives.count_work
+loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"]
 
 combined = compiled(stages.combined)
 BASE_ROWS = 6  # HEADING ... VY are contiguous
@@ -55,18 +46,18 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
     """
     S = rows_of(flat)
     is_free = free_joints(law)
-    set_decay(S, dt if implicit else 0.25 * dt)
-    set_reference(S, n, law, tail_link)
+    drives.set_decay(S, dt if implicit else 0.25 * dt)
+    drives.set_reference(S, n, law, tail_link)
     two_ways = implicit and any_prescribed(law, n)
     S[WELL] = 1.0
     S[SAMPLES] = 0.0
     written = 0
     for step in range(steps + 1):
         if implicit:
-            joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
-        holding_torques(S, n, is_free)
-        count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
+            drives.joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
+        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
+        recursion.holding_torques(S, n, is_free)
+        drives.count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
             write_sample(S, n, rows_of(log[step // every]), log.shape[1])
             S[WELL] = where(finite(S, n), S[WELL], 0.0)
@@ -77,8 +68,8 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
         if step == steps:
             break
         if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
-            joint_torques(S, n, law, GAMMA * dt)
-            accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
+            drives.joint_torques(S, n, law, GAMMA * dt)
+            recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
         if implicit:
             finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
         else:
@@ -90,8 +81,8 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
-    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
-    holding_torques(S, n, is_free)
+    recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
+    recursion.holding_torques(S, n, is_free)
 
 
 @entry
@@ -104,10 +95,10 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
     is_free = free_joints(law)
     for sample in range(len(log)):
         read_sample(S, n, rows_of(log[sample]))
-        set_reference(S, n, law, tail_link)
-        joint_torques(S, n, law, 0.0)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
-        body_forces(S, n, first_strip, rows_of(force[sample]))
+        drives.set_reference(S, n, law, tail_link)
+        drives.joint_torques(S, n, law, 0.0)
+        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
+        loads.body_forces(S, n, first_strip, rows_of(force[sample]))
 
 
 @kernel
@@ -135,11 +126,11 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         keep_slope(S, stage)
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != 1:
-            advance_reference(S, n, law, tail_link, 0.25 * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2)
+            drives.advance_reference(S, n, law, tail_link, 0.25 * dt)
+        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2)
         if stage == 2:  # half way, where the work is counted
-            holding_torques(S, n, is_free)
-            count_work(S, n, law, 0.5 * dt)
+            recursion.holding_torques(S, n, is_free)
+            drives.count_work(S, n, law, 0.5 * dt)
     keep_slope(S, 5)
     step_ahead(S, dt, WEIGHTS[5], 6)
 
@@ -167,9 +158,9 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in S already."""
     gamma_dt = GAMMA * dt
     keep_first_slope(S, n, is_free, dt, gamma_dt)
-    advance_reference(S, n, law, tail_link, dt)
-    second_torques(S, n, law, gamma_dt)
-    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
+    drives.advance_reference(S, n, law, tail_link, dt)
+    drives.second_torques(S, n, law, gamma_dt)
+    recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
     for r in range(3):
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
         slope = combined(S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt)

@@ -8,7 +8,7 @@ import numpy as np
 
 from laticauda import protocol
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
-from laticauda.kinematics import turned_about_vertical
+from laticauda.kinematics import turn
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Entry, Event, Measurement, PowerReading
 from laticauda.operate.safety.limits import LimitState, Modules, updated
@@ -222,7 +222,7 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
     """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
     rotation = frame.rotation
     if rotation is not None:
-        rotation = turned_about_vertical(-tank.path_heading) @ rotation @ turned_about_vertical(-turned)
+        rotation = turn("yaw", -tank.path_heading) @ rotation @ turn("yaw", -turned)
     position = tank.to_path(frame.position)
     return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
 
