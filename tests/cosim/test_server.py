@@ -51,13 +51,33 @@ def test_a_message_of_the_longest_length_is_read_and_a_longer_one_ends_the_conne
     assert client.is_let_go()
 
 
-def test_rubbish_is_answered_and_harms_nobody(connect):
+RUBBISH = (
+    b"GET / HTTP/1.1",
+    b"POST / HTTP/1.1",
+    b"\x16\x03\x01\x02",
+    b"\x00\xff\x00",
+    b"[]",
+    b"[" * 100_000,
+    b'"do"',
+)
+
+
+@pytest.mark.parametrize("line", RUBBISH, ids=range(len(RUBBISH)))
+def test_who_sends_what_is_no_json_object_is_hung_up_on_and_what_follows_is_not_done(connect, server, line):
     good, bad = connect(), connect()
     good.ask("reset")
-    for line in (b"GET / HTTP/1.1", b"\x00\xff\x00", b"{", b"[" * 100_000, b'{"do": "step"}'):
-        assert "error" in bad.line(line)
-        assert "observation" in good.ask("step", duration=0.05)
-    assert "observation" in bad.ask("reset")
+    bad.stream.write(line + b'\r\nHost: 127.0.0.1\r\n\r\n{"do": "run", "duration": 1}\n')
+    bad.stream.flush()
+    assert bad.heard()["error"].endswith("Good-bye.")
+    assert bad.is_let_go()
+    assert "observation" in good.ask("step", duration=0.05)
+
+
+def test_a_request_that_is_refused_ends_nothing(connect):
+    client = connect()
+    for line in (b'{"do": "step"}', b'{"do": "step", "duration": NaN}', b"{}", b'{"do": "sing"}'):
+        assert "error" in client.line(line)
+    assert "observation" in client.ask("reset")
 
 
 def test_a_client_that_dies_harms_nobody_and_makes_room(connect, server):

@@ -13,9 +13,6 @@ from laticauda.cli.flags import Written, is_declared, read
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 
-LOCAL = ("127.0.0.1", "localhost", "::1")
-"""Hosts that are this computer alone."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:

@@ -15,18 +15,22 @@ import socket
 import threading
 import time
 import warnings
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Generator
+from http import HTTPStatus
 from importlib import import_module
 from queue import SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from laticauda import access
 from laticauda.cockpit.scene import HOME
 from laticauda.errors import LaticaudaError
 from laticauda.extras import optional_import
 
 PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
+POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
+"""The page talks to its own server alone (viser's would follow an address in the link), and stands in no other one."""
 Owner = TypeVar("Owner")
 
 
@@ -57,8 +61,11 @@ def serve(host: str, port: int) -> Any:
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise PortTaken(f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one.") from error
-    with contextlib.redirect_stdout(io.StringIO()):
-        return viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
+    with contextlib.redirect_stdout(io.StringIO()), _guarding():
+        server = viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
+    # viser would ask a service for an address on the internet, if a page wanted that.
+    server._websock_server.unregister_handler(import_module("viser._messages").ShareUrlRequest)
+    return server
 
 
 def stop(server: Any) -> None:
@@ -70,6 +77,63 @@ def stop(server: Any) -> None:
 def time_scale() -> dict[str, Any]:
     """Of a plot whose x axis is seconds: uPlot would take it for dates."""
     return {"x": import_module("viser.uplot").Scale(time=False)}
+
+
+# ---- who is answered -------------------------------------------------------------------------------------------------
+
+_WIRE, _MAKING = logging.getLogger(f"{__name__}.wire"), threading.Lock()
+
+
+def _in_one_line(record: logging.LogRecord) -> bool:
+    """Of what junk leads to, the sentence: it is no fault of ours, and no news if somebody just left."""
+    error = record.exc_info[1] if record.exc_info else None
+    if error is not None:
+        record.msg, record.args, record.exc_info = f"A page was hung up on: {error!r:.200}", (), None
+    return not isinstance(error and error.__cause__, EOFError)
+
+
+_WIRE.addFilter(_in_one_line)
+
+
+@contextlib.contextmanager
+def _guarding() -> Generator[None]:
+    """Within it, servers of `websockets` answer whom they may answer: viser, which makes one, passes no rule on."""
+    module: Any = import_module("websockets.asyncio.server")
+    made = list[str]()
+    with _MAKING:
+        usual = module.serve
+
+        def serve(handler: Any, host: str, port: int, *, process_request: Any, **rest: Any) -> Any:
+            def failed(_: Any, context: dict[str, Any]) -> None:
+                _WIRE.error(context["message"], exc_info=context.get("exception"))
+
+            asyncio.get_running_loop().set_exception_handler(failed)
+            made.append(host)
+            answer = functools.partial(_answered, host, process_request)
+            return usual(handler, host, port, process_request=answer, logger=_WIRE, **rest)
+
+        module.serve = serve
+        try:
+            yield
+        finally:
+            module.serve = usual
+    if not made:
+        raise LaticaudaError("This viser serves its pages by other means, to everybody: install viser 1.1.")
+
+
+def _answered(host: str, usual: Any, connection: Any, request: Any) -> Any:
+    """What a request is answered with; None: the websocket that it asks for."""
+    why = access.refusal(host, request.headers.get_all)
+    if why:
+        _WIRE.warning("A request was refused: %s", why)
+        return connection.respond(HTTPStatus.FORBIDDEN, why)
+    response = usual(connection, request)
+    if response is not None:
+        response.headers["Content-Security-Policy"] = POLICY
+    return response
+
+
+# ---- cameras ---------------------------------------------------------------------------------------------------------
 
 
 class PageCamera:
@@ -241,8 +305,9 @@ class EventQueue:
 
 
 def _guarded(call: Callable[[], None]) -> None:
-    """A fault of ours must not leave the controls dead."""
+    """A fault of ours, or a value that no page of ours sends, must not leave the controls dead."""
     try:
         call()
-    except Exception:
-        logging.getLogger(__name__).exception("A control of the cockpit failed.")
+    except Exception as error:
+        logging.getLogger(__name__).error("A control of the cockpit failed: %r", error)
+        logging.getLogger(__name__).debug("It failed here:", exc_info=True)

@@ -13,6 +13,7 @@ from laticauda.robot import Robot
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
 PIECE = 1 << 16  # bytes read at a time
 SENDING = 30.0  # s that a client may take to read an answer
+IDLE = 600.0  # s that a client may say nothing
 DRAINING = 1.0  # s in which what was too long may still come in, so that the client gets to read why
 
 
@@ -128,12 +129,15 @@ class Server:
 
     def _talk(self, wire: socket.socket) -> None:
         session = Session(self._own_robots)
+        wire.settimeout(IDLE)
         with wire.makefile("rb") as stream:
             while (line := stream.readline(MESSAGE_BYTES)).endswith(b"\n"):
+                if line.strip() and not line.lstrip().startswith(b"{"):  # a web page, say, that speaks HTTP
+                    return _dismiss(wire, "A message must be a JSON object; this one is not. Good-bye.")
                 if line.strip():
                     wire.settimeout(SENDING)
                     wire.sendall(session.answer(line.strip()))
-                    wire.settimeout(None)
+                    wire.settimeout(IDLE)
         if len(line) == MESSAGE_BYTES:
             _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
 
