@@ -47,7 +47,8 @@ def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
         OSError: If it cannot be read, or is longer.
     """
     with local(path).open("rb") as file:
-        content = file.read(most_bytes + 1)
+        size = os.fstat(file.fileno()).st_size or most_bytes  # room for all of it is asked for at once
+        content = file.read(min(size, most_bytes) + 1)
     if len(content) > most_bytes:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
     return content

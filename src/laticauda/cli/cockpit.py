@@ -7,7 +7,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from laticauda import access
 from laticauda.cli import command, scene
 from laticauda.cli.flags import File, ScenarioFile, read, was_typed
 from laticauda.cockpit.pages import load_viser
@@ -103,7 +102,7 @@ class CockpitCommand(scene.OfScenario):
         scenario = self.chosen
         scene.warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
-        if self.host not in access.LOCAL:
+        if self.host not in command.LOCAL:
             warning = "can use this page and read what it shows: it knows no passwords."
             print(f"Warning: anyone who reaches {self.host} {warning}", file=sys.stderr)
         with command.until_stopped(cockpit.close):

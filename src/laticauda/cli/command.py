@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from laticauda.access import LOCAL as LOCAL
 from laticauda.cli.flags import Written, is_declared, read
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value

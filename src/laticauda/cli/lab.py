@@ -7,8 +7,7 @@ from typing import Literal
 
 import laticauda as lc
 from laticauda import packaging, protocol
-from laticauda.access import LOCAL
-from laticauda.cli.command import Command, until_stopped
+from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import File, NetCdf, read
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import laticauda as lc
 from laticauda import cosim, robot
-from laticauda.access import LOCAL
 from laticauda.cli import flags, scene
-from laticauda.cli.command import Command, until_stopped
+from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 

@@ -81,7 +81,7 @@ def time_scale() -> dict[str, Any]:
 
 # ---- who is answered -------------------------------------------------------------------------------------------------
 
-_WIRE, _MAKING = logging.getLogger(f"{__name__}.wire"), threading.Lock()
+_WIRE = logging.getLogger(f"{__name__}.wire")
 
 
 def _in_one_line(record: logging.LogRecord) -> bool:
@@ -99,24 +99,22 @@ _WIRE.addFilter(_in_one_line)
 def _guarding() -> Generator[None]:
     """Within it, servers of `websockets` answer whom they may answer: viser, which makes one, passes no rule on."""
     module: Any = import_module("websockets.asyncio.server")
-    made = list[str]()
-    with _MAKING:
-        usual = module.serve
+    made, usual = list[str](), module.serve
 
-        def serve(handler: Any, host: str, port: int, *, process_request: Any, **rest: Any) -> Any:
-            def failed(_: Any, context: dict[str, Any]) -> None:
-                _WIRE.error(context["message"], exc_info=context.get("exception"))
+    def serve(handler: Any, host: str, port: int, *, process_request: Any, **rest: Any) -> Any:
+        def failed(_: Any, context: dict[str, Any]) -> None:
+            _WIRE.error(context["message"], exc_info=context.get("exception"))
 
-            asyncio.get_running_loop().set_exception_handler(failed)
-            made.append(host)
-            answer = functools.partial(_answered, host, process_request)
-            return usual(handler, host, port, process_request=answer, logger=_WIRE, **rest)
+        asyncio.get_running_loop().set_exception_handler(failed)
+        made.append(host)
+        answer = functools.partial(_answered, host, process_request)
+        return usual(handler, host, port, process_request=answer, logger=_WIRE, **rest)
 
-        module.serve = serve
-        try:
-            yield
-        finally:
-            module.serve = usual
+    module.serve = serve
+    try:
+        yield
+    finally:
+        module.serve = usual
     if not made:
         raise LaticaudaError("This viser serves its pages by other means, to everybody: install viser 1.1.")
 
@@ -310,4 +308,3 @@ def _guarded(call: Callable[[], None]) -> None:
         call()
     except Exception as error:
         logging.getLogger(__name__).error("A control of the cockpit failed: %r", error)
-        logging.getLogger(__name__).debug("It failed here:", exc_info=True)

@@ -11,12 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JOINT, Drive, JointLaw
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, instance, positive
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
 from laticauda.interfaces import EFFECTORS, Command, Observation, Start, check_waves, fin_signals
-from laticauda.quantities import quantities_of
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
-from laticauda.scenarios import Model, Scenario
+from laticauda.scenarios import Model
 from laticauda.series import Log
 
 ModelType = TypeVar("ModelType", bound=Model)
@@ -169,9 +168,8 @@ class Plant(ABC, Generic[ModelType]):
         """
         instance("state", state, PlantState)
         instance("command", command, Command)
-        declared = quantities_of(Scenario)
-        duration = declared["duration"].checked("duration", duration)
-        sample_interval = declared["sample_interval"].checked("sample_interval", sample_interval)
+        duration = positive("duration", duration, "s")
+        sample_interval = positive("sample_interval", sample_interval, "s")
         check_size(duration, sample_interval)
         state, stretch, failure = self.advance(state, command, duration, sample_interval, link_forces=link_forces)
         return state, self.log([stretch]), failure

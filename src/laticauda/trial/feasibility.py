@@ -32,6 +32,7 @@ NEEDS = {
     "utilization": ("joint_angle", "joint_rate", "joint_torque"),
 }
 """The figures of this module, and what of a log each needs."""
+AT_ONCE = 1 << 20  # samples times pairs of links that are looked at together: 100 MB
 ROUNDING = 1e-9
 """A share that is this much above 1 is 1: servos do deliver all they have."""
 MOST = 40
@@ -153,6 +154,8 @@ def _crossing(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> t
     is_yaw = [joint.axis == "yaw" for joint in robot.joints]
     if not angle.size or robot.n_links < 3 or np.any(angle[:, np.logical_not(is_yaw)]):
         return 0.0, 0, 0
+    if len(angle) > 1 and angle.size * robot.n_links > AT_ONCE:
+        return max((_crossing(robot, part) for part in np.array_split(angle, 2)), key=lambda found: found[0])
     length = np.array([module.length for module in robot.modules])
     width = np.array([module.section.half_width for module in robot.modules])
     turned = np.cumsum(np.column_stack((np.zeros(len(angle)), angle)), axis=1)
