@@ -1,8 +1,8 @@
 """Does any bad input end in a traceback, a figure that is not finite, a message that names nothing, or a full memory?
 
-Property style: a seed draws inputs of each kind, and each is tried in a child process of its own with 6 GB at most and
-60 s. What is refused has to be refused in one sentence that names the place; what is accepted has to come to finite
-figures, or to a run that says that it diverged; and no warning of numpy may reach the shell.
+Property style: a seed draws inputs of each kind, and each is tried in a child process of its own with 6 GB more than
+its parent and 60 s. What is refused has to be refused in one sentence that names the place; what is accepted has to
+come to finite figures, or to a run that says that it diverged; and no warning of numpy may reach the shell.
 
     python campaigns/bad_input.py [--seed N] [--count N] [--only KIND ...]
 
@@ -60,7 +60,8 @@ def tried(case: Case) -> str:
     child = os.fork()
     if child == 0:
         os.close(reading)
-        resource.setrlimit(resource.RLIMIT_AS, (GIGABYTES << 30, GIGABYTES << 30))
+        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (taken + (GIGABYTES << 30),) * 2)
         signal.alarm(SECONDS)
         folder = tempfile.mkdtemp()
         os.chdir(folder)
