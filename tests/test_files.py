@@ -149,8 +149,9 @@ def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
     file = tmp_path / "a.txt"
     file.write_text("old")
     file.chmod(0o444)
-    for folder in (tmp_path, *tmp_path.parents[:2]):
-        folder.chmod(0o777)
+    for folder in (tmp_path, *tmp_path.parents):
+        if folder.name.startswith(("test_", "popen-", "pytest-")):  # others may look into what is ours
+            folder.chmod(0o777)
     done = subprocess.run([sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "a.txt: cannot be written: it is read-only; make room there, or name another place." in done.stderr

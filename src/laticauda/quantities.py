@@ -34,7 +34,8 @@ DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 LIMITS = {
     "kg/m^3": 25e3,  # osmium has 22 590
     **dict.fromkeys(("A", "V", "deg C", "degC", "m/s"), 1e4),
-    **dict.fromkeys(("Hz", "K/W", "deg", "kg", "m", "m/s^2", "m^2", "m^3", "ohm", "rad"), 1e6),
+    **dict.fromkeys(("Hz", "K/W", "m", "m/s^2", "m^2", "ohm", "rad"), 1e6),
+    **dict.fromkeys(("deg", "kg", "m^3"), 1e9),
 }
 """How large a number of a unit may be where its field declares no bound on that side: beyond it, it is a slip."""
 LARGEST = 1e12

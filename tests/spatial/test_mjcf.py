@@ -12,6 +12,7 @@ from robot.strategies import robots
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.actuation import servo
+from laticauda.actuation.laws import Drive
 from laticauda.errors import MissingExtra
 from laticauda.robot import Joint, Module, PectoralFin, Section, Thruster
 from laticauda.spatial import mjcf
@@ -215,12 +216,13 @@ def test_joints_have_the_robots_limits_and_its_skin():
 def test_the_servo_has_the_torque_of_the_servo_law(angle, rate, reference):
     robot = lc.load_robot("mamba")
     motor = robot.joints[0].actuator
+    drive = Drive(0.0, 0.0, motor.servo_gain, motor.stall_torque, motor.no_load_speed, 0.0, 0.0)
     model, data = compiled(robot, actuators="servo")
     data.joint("joint_3").qpos[:], data.joint("joint_3").qvel[:] = angle, rate
     data.actuator("servo_3").ctrl[:] = reference
     mujoco.mj_forward(model, data)
     at = model.joint("joint_3").dofadr[0]
-    expected, *_ = servo(angle, rate, reference, motor.servo_gain, motor.stall_torque, motor.no_load_speed, 0.0, 0.0)
+    expected, *_ = servo(angle, rate, reference, drive)
     assert data.qfrc_actuator[at] + data.qfrc_damper[at] == pytest.approx(expected, abs=1e-12)
 
 
