@@ -21,7 +21,7 @@ MOST_DATA = 1 << 32
 _HOST = f"{zlib.crc32(platform.node().encode()):08x}"
 
 
-def local(path: str | Path) -> Path:
+def local(path: str | os.PathLike[str]) -> Path:
     """A place on this computer: object stores have neither the locks nor the renaming that files are kept by.
 
     Args:

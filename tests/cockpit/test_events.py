@@ -60,4 +60,4 @@ def test_a_fault_is_logged_and_the_next_event_is_answered(events, caplog):
     come(events.handler(act), 1, 2)
     events.close()
     assert done == [2]
-    assert "A control of the cockpit failed." in caplog.text
+    assert "A control of the cockpit failed: RuntimeError('one')" in caplog.text

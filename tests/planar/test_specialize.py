@@ -89,8 +89,8 @@ def test_another_drag_law_takes_the_drives_as_they_are():
 
     usual, other = specialize(), specialize(law=FunctionDrag(function=law))
     assert usual is not other
-    assert usual.set_reference is other.set_reference
-    assert usual.accelerations is not other.accelerations
+    assert usual.drives.set_reference is other.drives.set_reference
+    assert usual.recursion.accelerations is not other.recursion.accelerations
 
 
 def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_compiles_anew_when_edited(tmp_path):
