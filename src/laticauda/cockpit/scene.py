@@ -1,4 +1,7 @@
-"""The picture: the robot in its water, with trail, path, forces and a ghost."""
+"""The picture: the robot in its water, with trail, path, forces and a ghost.
+
+Moving water is arrows around the robot, and a surface that rises and falls.
+"""
 
 import math
 from collections import deque

@@ -9,6 +9,12 @@ heading (6). The model knows neither links nor water. Its numbers come out of tr
 measured; it is for guidance to plan with, and no model of the body.
 
 What it needs to know and nobody measures, a filter around it tells (`laticauda.control.current`).
+
+Out of trials it comes by least squares over whole gait cycles. What is compared are differences over one period,
+(q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the gait's ripple and exact, with nothing
+differentiated. All but four numbers enter linearly; those four, three time constants and an exponent, are each searched
+along a line with the others solved for. `OffsetSteps` is a maneuver that tells them: one gait, and offsets that are
+held one after the other.
 """
 
 import math

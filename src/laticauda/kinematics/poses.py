@@ -9,6 +9,8 @@ links here, behind the tail link; where `fin_angle` is left out the fin is strai
 first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
 number of leading axes (time first). The robot is taken as it is: reduce one with pitch joints by `robot.planar()`.
 nan passes through: a marker that was lost gives a pose that is unknown, at that sample only.
+
+And where every module is in space: from the center of mass, the tail module's orientation and the joint angles.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""What is around a robot in a picture: water with its depth above a tiled floor, or dry land, and the sun."""
+"""What is around a robot in a picture: water with its depth above a tiled floor, or dry land, and the sun.
+
+Water that moves is arrows around the robot, and a surface that rises and falls.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
