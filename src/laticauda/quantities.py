@@ -314,7 +314,8 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
     if get_origin(hint) is Literal:
         return one_among(*get_args(hint))
     if declared is not None:
-        return functools.partial(_whole, declared) if hint is int else declared.checked
+        of_64_bits = dataclasses.replace(declared, le=min(declared.le, 2.0**63))  # seeds, say
+        return functools.partial(_whole, of_64_bits) if hint is int else declared.checked
     if hint in (bool, str):
         return flag if hint is bool else text
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
@@ -339,9 +340,8 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
 
 
 def _whole(declared: Quantity, name: str, given: Any) -> int:
-    least = -sys.maxsize if math.isinf(declared.least) else math.ceil(declared.least)
-    number = whole(name, given, least)
-    dataclasses.replace(declared, le=min(declared.le, 2.0**63)).checked(name, number)  # of seeds, say
+    number = whole(name, given, math.ceil(max(declared.least, -sys.maxsize)))
+    declared.checked(name, number)
     return number
 
 
