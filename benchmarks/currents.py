@@ -25,8 +25,7 @@ TRIALS, ROUNDS = 256, 5
 
 def currents() -> dict[str, Any]:
     """What is in the table besides still water."""
-    from laticauda.fluid.gridded import Gridded
-    from laticauda.fluid.grids import to_dataset
+    from laticauda.fluid.gridded import Gridded, to_dataset
     from laticauda.fluid.waves import Sea
 
     sea = Sea(significant_height=0.02, peak_period=1.5, spread=0.3)

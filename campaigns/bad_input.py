@@ -1,17 +1,18 @@
 """Does any bad input end in a traceback, a figure that is not finite, a message that names nothing, or a full memory?
 
 Property style: a seed draws inputs of each kind, and each is tried in a child process of its own with 6 GB more than
-its parent and 60 s. What is refused has to be refused in one sentence that names the place; what is accepted has to
-come to finite figures, or to a run that says that it diverged; and no warning of numpy may reach the shell.
+its parent and 60 s of a core. What is refused has to be refused in one sentence that names the place; what is
+accepted has to come to finite figures, or to a run that says that it diverged; and no warning of numpy may reach the
+shell.
 
     python campaigns/bad_input.py [--seed N] [--count N] [--only KIND ...]
 
-Last answer: flags, texts, robots, damaged files: 0 faults of 25 each at seed 0; folders: broken metadata of zarr told
-without the folder's name; calls: some public functions raise from inside; paths was not run to its end.
+Last answer (seed 7): tasks 0 faults of 40, exports 0 of 8, folders 0 of 8; what they found before is in the changelog.
 """
 
 import argparse
 import contextlib
+import dataclasses
 import importlib
 import inspect
 import io
@@ -19,6 +20,7 @@ import json
 import math
 import os
 import pickle
+import pkgutil
 import random
 import re
 import resource
@@ -39,7 +41,8 @@ from laticauda.errors import LaticaudaError
 GIGABYTES, SECONDS = 6, 60
 ROBOTS = ("mamba", "mamba-fin", "mamba-thruster")
 HUGE = 10**9
-PACKAGES = ("robot", "gaits", "actuation", "fluid", "interfaces")
+PACKAGES = tuple(one.name for one in pkgutil.iter_modules(lc.__path__) if one.ispkg and one.name != "cli")
+MODULES = ("hydrodynamics", "interfaces", "kinematics")  # that users import as they are
 
 
 class Case(NamedTuple):
@@ -61,8 +64,10 @@ def tried(case: Case) -> str:
     if child == 0:
         os.close(reading)
         taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (taken + (GIGABYTES << 30),) * 2)
-        signal.alarm(SECONDS)
+        most = taken + (GIGABYTES << 30)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        signal.alarm(10 * SECONDS)  # also where it waits for something
         folder = tempfile.mkdtemp()
         os.chdir(folder)
         try:
@@ -114,6 +119,9 @@ def call(function: Callable[..., Any], given: dict[str, Any], name: str) -> Call
                 function(**given)
             except (ValueError, LaticaudaError) as error:
                 return "" if str(error).strip() else f"{type(error).__name__} says nothing"
+            except TypeError as error:
+                if not re.search(r"missing \d+ required|unexpected keyword", str(error)):  # said well by Python
+                    raise
         return "" if "Warning:" not in err.getvalue() else err.getvalue()[-300:]
 
     return work
@@ -270,7 +278,7 @@ def _prepared(folder: Path) -> dict[str, tuple[bytes, tuple[str, ...]]]:
 
     where = {name: (name, np.linspace(-5.0, 5.0, 4)) for name in ("y", "x")} | {"time": ("time", np.array([0.0, 9.0]))}
     still = {name: (("time", "y", "x"), np.zeros((2, 4, 4)), {"units": "m/s"}) for name in "uv"}
-    xarray.Dataset(still, coords=where).to_netcdf(folder / "flow.nc")
+    xarray.Dataset(still, coords=where).to_netcdf(str(folder / "flow.nc"))  # pyright: ignore[reportUnknownMemberType]
     trial = lc.swim("mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 0.5)
     found: dict[str, tuple[bytes, tuple[str, ...]]] = {}
     for ending in ("nc", "mcap", "parquet", "mat"):
@@ -388,14 +396,16 @@ ODD: tuple[Callable[[], Any], ...] = (
 
 
 def public() -> list[tuple[str, Callable[..., Any]]]:
-    """Every public function and class of the first page of the reference, and of scenarios, robots, gaits, waters."""
+    """Every public function and class of all packages, and of the modules beside them."""
     found: dict[int, tuple[str, Callable[..., Any]]] = {}
-    for package in ("", *PACKAGES):
+    for package in ("", *PACKAGES, *MODULES):
         module = importlib.import_module(f"laticauda.{package}".rstrip("."))
         for name in getattr(module, "__all__", None) or dir(module):
-            thing = getattr(module, name, None)
+            thing: Any = getattr(module, name, None)
             own = callable(thing) and getattr(thing, "__module__", "").startswith("laticauda")
-            if own and not name.startswith("_") and not (inspect.isclass(thing) and issubclass(thing, Exception)):
+            is_class = inspect.isclass(thing)
+            own = own and not (is_class and (issubclass(thing, Exception) or getattr(thing, "_is_protocol", False)))
+            if own and not name.startswith("_") and thing is not lc.Plant:
                 found.setdefault(id(thing), (f"{module.__name__}.{name}", thing))
     return sorted(found.values(), key=lambda one: one[0])
 
@@ -441,6 +451,171 @@ def calls(rng: random.Random) -> Iterator[Case]:
         yield Case("calls", f"{name}({bad.name}={odd()!r:.60})", call(function, {**given, bad.name: odd()}, bad.name))
 
 
+CELLS = ("nan", "inf", "", "x", "1e400", "1e308", "-1", "0", "9" * 400, '"', "1,5", "\u202e", "0x1", "30 deg")
+HEADS = ("amplitude-deg", "frequency-deg-s", "normal-drag", "n-links", "amplitude", "", "x", "water.density")
+
+
+def lists(rng: random.Random) -> Iterator[Case]:
+    """Lists of points of a sweep with odd names and cells."""
+    while True:
+        heads = rng.sample(HEADS, rng.choice((1, 2, 3)))
+        rows = [[rng.choice((*CELLS, "30", "30", "30")) for _ in heads] for _ in range(rng.choice((0, 1, 3)))]
+        text = "\n".join(",".join(row[: rng.choice((len(row), len(row), 1))]) for row in (heads, *rows))
+        words = ("sweep", "--duration", "0.1", "--output", "out", "--list", "points.csv")
+
+        def work(text: str = text, words: tuple[str, ...] = words) -> str:
+            Path("points.csv").write_text(text, encoding="utf-8")
+            return shell(*words, names=("points.csv",))()
+
+        yield Case("lists", repr(text), work)
+
+
+MAP: dict[str, Any] = {
+    "kind": "columns",
+    "robot": "mamba",
+    "longest_gap": 0.2,
+    "gait": {"kind": "lateral-undulation", "amplitude_deg": 30.0, "frequency_deg_s": 130.0, "phase_shift_deg": 40.0},
+    "time": {"column": "t", "unit": "s"},
+    "frame": {"x": "x", "y": "y", "origin": [0.0, 0.0], "rotation_deg": 0.0},
+    "body": {"link": 0, "position": ["x", "y"], "length_unit": "m", "yaw": "yaw", "angle_unit": "rad"},
+    "joint_angle": {"columns": "phi {}", "unit": "rad"},
+    "power": {"current": "I", "voltage": 35.0, "idle": 41.3},
+}
+LEAVES: tuple[Any, ...] = (
+    math.nan,
+    math.inf,
+    -1,
+    0,
+    1e308,
+    1e-308,
+    10**30,
+    "",
+    "x",
+    "\x00",
+    True,
+    [],
+    {},
+    [[1]],
+    ["a"],
+    {"a": 1},
+    "{",
+)
+
+
+def _one_changed(rng: random.Random, table: dict[str, Any]) -> dict[str, Any]:
+    """A table of tables in which one thing is odd, missing or too many."""
+    key = rng.choice(sorted(table))
+    if isinstance(table[key], dict) and rng.random() < 0.8:
+        return table | {key: _one_changed(rng, table[key])}
+    how = rng.choice(("odd", "odd", "odd", "missing", "more"))
+    if how == "missing":
+        return {name: one for name, one in table.items() if name != key}
+    return table | {key if how == "odd" else rng.choice(("nonsense", "", "\x00")): rng.choice(LEAVES)}
+
+
+def columns(rng: random.Random) -> Iterator[Case]:
+    """Column maps in which something is odd, and logs with odd cells."""
+    import tomli_w
+
+    names = ["t", "x", "y", "yaw", *(f"phi {i}" for i in range(8)), "I"]
+    while True:
+        table = _one_changed(rng, MAP) if rng.random() < 0.7 else MAP
+        rows = [[f"{0.05 * k:.2f}", "0", "0", "0", *["0.1"] * 8, "1.5"] for k in range(40)]
+        for _ in range(rng.choice((0, 1, 3)) if table is not MAP else 1):
+            rows[rng.randrange(40)][rng.randrange(len(names))] = rng.choice(CELLS)
+        text = "\n".join(map(",".join, (names, *rows)))
+
+        def work(table: dict[str, Any] = table, text: str = text) -> str:
+            Path("log.csv").write_text(text, encoding="utf-8")
+            Path("map.toml").write_text(tomli_w.dumps(table), encoding="utf-8")
+            words = ("trial", "show", "log.csv", "--columns", "map.toml", "--json")
+            return shell(*words, names=("map.toml", "log.csv"))()
+
+        odd = {key: one for key, one in table.items() if one is not MAP.get(key)}
+        yield Case("columns", f"{odd} {[one for row in rows for one in row if one in CELLS]}", work)
+
+
+TASK: dict[str, Any] = {
+    "kind": "identification",
+    "name": "x",
+    "title": "t",
+    "joints": "prescribed",
+    "noise": "estimated",
+    "starts": 1,
+    "seed": 1,
+    "parameters": [{"name": "water.tangential_friction", "start": 0.15, "lower": 0.03, "upper": 0.5}],
+    "table1": {"sigma": 0.05, "selected_from": 1},
+    "fixed": {"water": {"normal_drag": 1.75, "added_mass": 1.5}, "caudal_fin": {"normal_drag": 2.0}},
+}
+
+
+def tasks(rng: random.Random) -> Iterator[Case]:
+    """Identification tasks in which something is odd, for the fit and for the design of experiments after it."""
+    import tomli_w
+
+    while True:
+        table = _one_changed(rng, TASK)
+        if rng.random() < 0.3:
+            table = TASK | {"parameters": [_one_changed(rng, TASK["parameters"][0])]}
+        words = rng.choice((("identify",), ("design-experiment", "--after")))
+
+        def work(table: dict[str, Any] = table, words: tuple[str, ...] = words) -> str:
+            Path("task.toml").write_text(tomli_w.dumps(table), encoding="utf-8")
+            more = ("--quick", "--output", "out") if words == ("identify",) else ()
+            return shell(*words, "task.toml", *more, "--json", names=("task.toml",))()
+
+        odd = {key: one for key, one in table.items() if one is not TASK.get(key)}
+        yield Case("tasks", f"{' '.join(words)} {odd}", work)
+
+
+EXPORTS = ("export mjcf x.xml", "export urdf x.urdf", "export fmu x.fmu", "export c x.h", "export web page")
+NAMES = ("", "a b", 'a"b', "a*/b", "</script>", "\u202e", "x" * 3000, "../x", "int", "1", "%s%n", "a\\nb", "${x}")
+
+
+def exports(rng: random.Random) -> Iterator[Case]:
+    """Robots with odd names and descriptions, written for other programs."""
+    from laticauda.robot.files import to_toml
+
+    plain = {name: to_toml(lc.load_robot(name)) for name in ROBOTS}
+    while True:
+        words, name, key = rng.choice(EXPORTS).split(), rng.choice(NAMES), rng.choice(("name", "description"))
+        text = re.sub(rf"(?m)^{key} = .*$", lambda _: f"{key} = {json.dumps(name)}", plain[rng.choice(ROBOTS)])  # noqa: B023
+
+        def work(text: str = text, words: tuple[str, ...] = tuple(words)) -> str:
+            Path("bad.toml").write_text(text, encoding="utf-8")
+            return shell(*words, "--robots" if "web" in words else "--robot", "bad.toml", names=("bad.toml",))()
+
+        yield Case("exports", f"{' '.join(words)} {key} {name[:40]!r}", work)
+
+
+def values(rng: random.Random) -> Iterator[Case]:
+    """Numbers at the ends of what a declared quantity may be, and beyond; a file keeps what is accepted."""
+    from laticauda import codec
+    from laticauda.quantities import hints_of, quantities_of
+
+    classes = [one for _, one in public() if inspect.isclass(one) and dataclasses.is_dataclass(one)]
+    kinds = [one for one in classes if quantities_of(one)]
+    while True:
+        kind = rng.choice(kinds)
+        name, declared = rng.choice(sorted(quantities_of(kind).items()))
+        end = rng.choice((*declared.ends, declared.least if math.isfinite(declared.least) else 0.0))
+        beside = math.nextafter(end, math.inf), math.nextafter(end, -math.inf)
+        number: Any = rng.choice((end, *beside, 1e308, 5e-324, -end))
+        number = rng.choice((number, number, math.nan, math.inf, 10**400, int(end), f"{end}", [end], np.float32(end)))
+
+        def work(kind: Any = kind, name: str = name, number: Any = number) -> str:
+            try:
+                made = kind(**{name: number})
+            except (ValueError, LaticaudaError) as error:
+                return "" if str(error).strip() else "refused without a word"
+            except TypeError as error:
+                return "" if "missing" in str(error) else repr(error)
+            there = codec.decode(kind, json.loads(json.dumps(codec.encode(made)))) if hints_of(kind) else made
+            return "" if there == made else f"a file gives {there}"
+
+        yield Case("values", f"{kind.__name__}({name}={number!r:.40})", work)
+
+
 def robots(rng: random.Random) -> Iterator[Case]:
     """Robots and waters with numbers of any size: what is accepted comes to finite figures, or says it diverged."""
     from laticauda.robot.files import to_toml
@@ -471,7 +646,11 @@ def robots(rng: random.Random) -> Iterator[Case]:
         yield Case("robots", "; ".join(set(text.splitlines()) - set("".join((*plain, *waters)).splitlines())), work)
 
 
-KINDS = {one.__name__: one for one in (flags, paths, texts, damaged, folders, calls, robots)}
+CALLED = (calls, values)
+KINDS = {
+    one.__name__: one
+    for one in (*CALLED, flags, paths, texts, lists, columns, tasks, exports, damaged, folders, robots)
+}
 
 
 def faults(seed: int, count: int, kinds: tuple[str, ...] = tuple(KINDS)) -> Iterator[tuple[Case, str]]:

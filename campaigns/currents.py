@@ -29,9 +29,8 @@ from scipy.stats import t as student
 
 import laticauda as lc
 from laticauda.control import CurrentObserver, ModelPredictive
+from laticauda.fluid.eddies import KarmanStreet, Turbulence
 from laticauda.fluid.flow import Flow
-from laticauda.fluid.turbulence import Turbulence
-from laticauda.fluid.vortices import KarmanStreet
 from laticauda.studies import averaged_model
 from laticauda.trial import following
 

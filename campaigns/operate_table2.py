@@ -25,12 +25,11 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.lab import LabSettings, Tank, VirtualRobot
-from laticauda.operate.files import load_operation
 from laticauda.operate.series import Series, run_series
 from laticauda.operate.session import Result, operate
-from laticauda.operate.settings import Operation
+from laticauda.operate.settings import Operation, load_operation
+from laticauda.paper.efficiency import TABLE2
 from laticauda.paper.measured import path_following_trials
-from laticauda.paper.repeats import TABLE2
 from laticauda.trial import following
 
 PLACED, TURNED = 0.02, math.radians(1.0)  # how well somebody puts the robot down: an assumption [m], [rad]

@@ -23,9 +23,9 @@ from matplotlib.figure import Figure
 
 from laticauda.errors import BadArgument
 from laticauda.figures import save_figure, style
-from laticauda.figures.identification import parity
 from laticauda.gaits import Anguilliform, EelLike, Envelope
 from laticauda.paper import Repeat, load_repeats
+from laticauda.reports.identify_figures import parity
 from laticauda.robot import load_robot, load_water
 from laticauda.simulate import swim_many
 

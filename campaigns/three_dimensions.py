@@ -31,8 +31,8 @@ from laticauda.control import Following
 from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate import Decision
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.files import load_operation
 from laticauda.operate.loop import TankDevices, run_loop
+from laticauda.operate.settings import load_operation
 from laticauda.spatial.scene import Pipe
 
 ROBOT, WATER = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")

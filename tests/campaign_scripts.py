@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = Path(__file__).parent.parent / "campaigns"
+sys.path.append(str(FOLDER))  # what several of them share
 
 
 @cache

@@ -1,6 +1,12 @@
 import pytest
 
-from laticauda.access import refusal
+from laticauda.access import VARIABLE, Door
+
+TOKEN = "0123456789abcdef"
+
+
+def refusal(served, headers, path="/", token=""):
+    return Door(served, token).refusal(path, headers)
 
 
 def headers(**said):
@@ -42,3 +48,50 @@ def test_on_all_addresses_numbers_are_answered_and_on_one_that_one_alone():
 def test_a_page_of_another_origin_is_refused_also_of_another_port(origin):
     found = refusal("127.0.0.1", headers(Host="127.0.0.1:8080", Origin=origin))
     assert found == f"This server answers its own pages, and none of {origin!r}."
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.2", "127.0.0.1.example"])
+def test_where_other_computers_may_reach_it_there_is_a_token_another_one_each_time(host):
+    one, other = Door.of(host), Door.of(host)
+    assert len(one.token) >= 24 and one.token != other.token
+    assert one.token in one.url(80) and one.token not in repr(one) + one.warning and host in one.warning
+    assert one.admits(one.token)
+    for said in (None, "", 1, [], other.token, one.token[:-1], one.token + "a", "\udcff", one.token.swapcase()):
+        assert not one.admits(said)
+
+
+@pytest.mark.parametrize("host", ["", ".", "a\0b"])
+def test_what_is_the_name_of_no_host_is_refused(host):
+    with pytest.raises(ValueError, match="`host` must be the name or address of a host, got"):
+        Door.of(host)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1"])
+def test_on_this_computer_there_is_none(host):
+    door = Door.of(host)
+    assert door.token == door.warning == "" and door.admits(None)
+
+
+def test_pages_and_their_sockets_have_the_token_in_their_address():
+    asked = headers(Host="10.0.0.7:80", Origin="http://10.0.0.7:80")
+    for path in (f"/{TOKEN}", f"/{TOKEN}/", f"/{TOKEN}/?darkMode", f"/{TOKEN}/index.html"):
+        assert refusal("0.0.0.0", asked, path, TOKEN) == ""
+    for path in ("", "/", "*", "/?" + TOKEN, f"/a/{TOKEN}", f"/{TOKEN}a", "/%30" + TOKEN[1:], TOKEN[:-1]):
+        why = refusal("0.0.0.0", asked, path, TOKEN)
+        assert why == "This server answers whoever has its token: open the address that it printed, as a whole."
+    evil = headers(Host="10.0.0.7:80", Origin="http://evil.example")
+    assert "its own pages" in refusal("0.0.0.0", evil, f"/{TOKEN}/", TOKEN)
+
+
+def test_a_token_of_the_environment_is_taken_on_this_computer_too(monkeypatch):
+    monkeypatch.setenv(VARIABLE, TOKEN)
+    assert Door.of("127.0.0.1").token == Door.of("0.0.0.0").token == TOKEN
+    assert Door.of("::1").url(80) == f"http://[::1]:80/{TOKEN}/"
+
+
+@pytest.mark.parametrize("token", ["short", "a" * 15, "a/b" * 9, "with a space in it", "\u00e9" * 20])
+def test_a_token_that_can_be_guessed_or_is_no_part_of_an_address_is_refused_and_not_shown(monkeypatch, token):
+    monkeypatch.setenv(VARIABLE, token)
+    with pytest.raises(ValueError, match=r"^`LATICAUDA_TOKEN` must be 16 or more letters") as caught:
+        Door.of("127.0.0.1")
+    assert token not in str(caught.value)

@@ -6,9 +6,9 @@ from campaign_scripts import campaign
 bad_input = campaign("bad_input")
 
 
-@pytest.mark.parametrize("kind", ["texts", "robots"])
+@pytest.mark.parametrize("kind", ["texts", "robots", "lists", "columns", "values"])
 def test_bad_input_is_refused_by_name_or_comes_to_finite_figures(kind):
-    assert list(bad_input.faults(11, 6, (kind,))) == []
+    assert list(bad_input.faults(11, 5, (kind,))) == []
 
 
 def test_a_traceback_would_be_found():

@@ -4,8 +4,7 @@ import math
 from typing import ClassVar, Literal
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.codec import BadKey, decode, encode, keys_of, merged
 from laticauda.errors import RobotFileError

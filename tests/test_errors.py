@@ -1,12 +1,14 @@
 """The checks: what they let through, what they refuse, and in which words."""
 
 import math
+import os
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda import errors
 
@@ -150,3 +152,24 @@ def test_a_missing_extra_says_what_to_install_also_after_crossing_processes():
 def test_a_missing_program_says_what_to_install_also_after_crossing_processes():
     error = pickle.loads(pickle.dumps(errors.MissingProgram("A video", "the program ffmpeg", "ffmpeg")))
     assert str(error) == "A video needs the program ffmpeg; on Debian and Ubuntu run `apt-get install ffmpeg`."
+
+
+DEAF = """
+import signal, sys
+from laticauda.errors import load_mujoco
+
+def look(event, args):
+    if event == "subprocess.Popen":
+        print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
+
+sys.addaudithook(look)
+load_mujoco()
+print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no such masks")
+def test_processes_that_are_started_while_mujoco_is_imported_never_get_to_know_of_ctrl_c():
+    done = subprocess.run([sys.executable, "-c", DEAF], capture_output=True, text=True, check=True)
+    *started, afterwards = done.stdout.split()
+    assert (set(started) <= {"True"}, afterwards) == (True, "False")

@@ -1,5 +1,6 @@
 """Reading is bounded and says what is wrong; writing replaces a file as a whole or leaves it as it was."""
 
+import json
 import os
 import subprocess
 import sys
@@ -8,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from laticauda.errors import RobotFileError, StorageFailed
-from laticauda.files import parse_toml, read_bytes, read_text, read_toml, write
+from laticauda.files import parse_toml, read_bytes, read_text, read_toml, to_json, write
 
 
 def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):
@@ -154,7 +155,7 @@ def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
             folder.chmod(0o777)
     done = subprocess.run([sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False)
     assert done.returncode != 0
-    assert "a.txt: cannot be written: it is read-only; make room there, or name another place." in done.stderr
+    assert "a.txt: cannot be written: it is read-only; put that right, or name another place." in done.stderr
     assert (file.read_text(), os.listdir(tmp_path)) == ("old", ["a.txt"])
 
 
@@ -165,3 +166,13 @@ def test_an_address_is_no_file_and_never_becomes_a_folder(tmp_path: Path, monkey
         with pytest.raises(StorageFailed, match=r"^\w+:/.* is an address; give a path on this computer"):
             read_or_write(address)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_number_that_is_not_finite_is_null_in_json():
+    content = {"speed": float("nan"), "rows": [(1.0, float("inf"))], "name": "x", "n": 3}
+    assert json.loads(to_json(content)) == {"speed": None, "rows": [[1.0, None]], "name": "x", "n": 3}
+
+
+def test_an_empty_text_is_the_name_of_no_file():
+    with pytest.raises(StorageFailed, match="'': an empty text is the name of no file"):
+        read_text("")

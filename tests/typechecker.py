@@ -25,13 +25,17 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
 
     Args:
         typechecker: Decorator that makes a function check what it gets and gives.
+
+    Values (`laticauda.quantities.value`) check their fields themselves, and make tuples of lists: only shapes are left.
     """
 
     def decorate(thing: Any) -> Any:
         if not inspect.isclass(thing):
             return _checked(thing, typechecker)
         if dataclasses.is_dataclass(thing) and "__init__" in vars(thing):
-            thing.__init__ = _checked(thing.__init__, typechecker)
+            is_value = getattr(getattr(thing, "__post_init__", None), "__module__", "") == "laticauda.quantities"
+            if not is_value or _has_shapes(tuple(thing.__init__.__annotations__.values())):
+                thing.__init__ = _checked(thing.__init__, typechecker)
         return thing
 
     return decorate

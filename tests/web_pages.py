@@ -13,8 +13,7 @@ from urllib.parse import urlencode
 import numpy as np
 
 import laticauda as lc
-from laticauda.cli.follow import Follow
-from laticauda.cli.swim import Swim
+from laticauda.cli.runs import Follow, Swim
 from laticauda.logs.tabular import flat_columns
 
 NODE = shutil.which("node")

@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.operate.files import load_operation
+from laticauda.operate.settings import load_operation
 from laticauda.trial import following
 
 HERE = Path(__file__).parent

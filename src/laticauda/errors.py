@@ -3,11 +3,19 @@
 A bad argument is a `ValueError` that names the argument, the rule with its unit and the value it got.
 What goes wrong in the world, and not in an argument, derives from `LaticaudaError`.
 Each check returns the cleaned value, so that a dataclass can check and convert in one line.
+Packages that come with one of laticauda's extras are imported when they are first needed, and not before; where one is
+missing, the error says what to install. Processes that such an import starts, and our own workers, are deaf to Ctrl-C:
+the error of it is for this process.
 """
 
 import math
-from collections.abc import Sequence
+import signal
+import sys
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from numbers import Integral, Real
+from typing import Any
 
 
 class LaticaudaError(Exception):
@@ -146,20 +154,24 @@ def within(name: str, value: object, low: float, high: float, unit: str = "") ->
     return number
 
 
-def whole(name: str, value: object, least: int) -> int:
+def whole(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
     """Return `value` as an int if it is a whole number >= `least`.
 
     Args:
         name: The argument's name, as its user knows it.
         value: What was given.
         least: The smallest number that is accepted.
+        most: The largest one; what is larger than any memory is a slip everywhere.
 
     Raises:
-        ValueError: If `value` is no integer (2.0 is none either), or too small.
+        ValueError: If `value` is no integer (2.0 is none either), or out of the range.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise BadArgument(name, f"must be a whole number >= {least}, got {shown(value)}")
-    return int(value)
+    number = int(value)
+    if number > most:
+        raise BadArgument(name, f"must be a whole number between {least} and {most}, got {shown(value)}")
+    return number
 
 
 def one_of(name: str, value: object, choices: Sequence[str]) -> str:
@@ -222,6 +234,16 @@ def label(name: str, value: object) -> str:
     return word
 
 
+def hostname(name: str, value: object) -> str:
+    """Return `value` if it can be a host's name or address; arguments as for `finite`."""
+    word = text(name, value)
+    with suppress(UnicodeError):
+        word.encode("idna")
+        if word and word.isprintable():
+            return word
+    raise BadArgument(name, f"must be the name or address of a host, got {word!r}")
+
+
 def nearest(word: str, choices: Sequence[str]) -> str:
     """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near."""
     import difflib
@@ -249,3 +271,50 @@ def shown(value: object) -> str:
         return str(value)
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+# ---- packages that may be missing -----------------------------------------------------------------------------------
+
+
+def optional_import(feature: str, package: str, extra: str, module: str | None = None) -> Any:
+    """A module that may not be installed.
+
+    Args:
+        feature: What needs it, in words.
+        package: The package as the user knows it.
+        extra: The extra of laticauda that installs the package.
+        module: As it is imported; None: the package's name.
+
+    Returns:
+        The module. Where the package has no types, what comes from it is `Any`.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    try:
+        return import_module(module or package)
+    except ImportError as error:
+        raise MissingExtra(feature, package, extra) from error
+
+
+def load_mujoco() -> Any:
+    """The module `mujoco`. It has no types, so what comes from it is `Any` here.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    with deaf():  # one of its imports asks Python in other processes, which would answer Ctrl-C with a traceback
+        return optional_import("The 3D model", "MuJoCo", "spatial", "mujoco")
+
+
+@contextmanager
+def deaf() -> Generator[None]:
+    """Ctrl-C waits until the end of this, and is for this process: those started here never get to know of it."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

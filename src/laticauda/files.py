@@ -2,15 +2,18 @@
 
 import csv
 import errno
+import io
+import json
+import math
 import os
 import platform
 import shutil
 import tomllib
 import zlib
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from laticauda.errors import LaticaudaError, StorageFailed
 
@@ -28,11 +31,14 @@ def local(path: str | os.PathLike[str]) -> Path:
         path: What was given.
 
     Raises:
-        StorageFailed: If it is an address, as `s3://bucket/sweep`.
+        StorageFailed: If it is empty, or an address, as `s3://bucket/sweep`.
     """
     place = Path(path)
+    if str(path) == "":
+        raise StorageFailed("'': an empty text is the name of no file")
     if place.parts and place.parts[0][2:].endswith(":"):  # a drive's name has one letter
-        raise StorageFailed(f"{path}: is an address; give a path on this computer, and copy from or to there besides")
+        shown = str(path).replace("://", ":/").replace(":/", "://")  # a path has lost a slash
+        raise StorageFailed(f"{shown}: is an address; give a path on this computer, and copy from or to there besides")
     return place
 
 
@@ -47,8 +53,9 @@ def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
         OSError: If it cannot be read, or is longer.
     """
     with local(path).open("rb") as file:
-        size = os.fstat(file.fileno()).st_size or most_bytes  # room for all of it is asked for at once
-        content = file.read(min(size, most_bytes) + 1)
+        size = os.fstat(file.fileno()).st_size  # room for all of it is asked for at once
+        most_bytes = most_bytes if size else min(most_bytes, MOST_BYTES)  # a device has no size, and maybe no end
+        content = file.read(min(size or most_bytes, most_bytes) + 1)
     if len(content) > most_bytes:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
     return content
@@ -141,6 +148,41 @@ def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) 
     return {name: [row[name] for _, row in rows] for name in names}
 
 
+def csv_text(rows: Iterable[Iterable[object]], newline: str = "\r\n") -> str:
+    """The content of a CSV file.
+
+    Args:
+        rows: Of cells, that of the columns' names first; a cell that is None is empty.
+        newline: What a line ends in.
+    """
+    text = io.StringIO(newline="")
+    csv.writer(text, lineterminator=newline).writerows(rows)
+    return text.getvalue()
+
+
+def plain(content: Any) -> Any:
+    """Mappings and lists as JSON has them: a number that is not finite is None, as what is not available is.
+
+    Args:
+        content: Of numbers, texts, lists and mappings.
+    """
+    if isinstance(content, Mapping):
+        return {key: plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
+    if isinstance(content, list | tuple):
+        return [plain(one) for one in cast("list[Any]", content)]
+    return None if isinstance(content, float) and not math.isfinite(content) else content
+
+
+def to_json(content: Any, indent: int | None = 2) -> str:
+    """The same as a text in JSON.
+
+    Args:
+        content: As for `plain`.
+        indent: Of its lines; None: one line.
+    """
+    return json.dumps(plain(content), indent=indent, allow_nan=False)
+
+
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:
     """Put a file in its place as a whole, so that whoever reads it meets the old one or the new one.
 
@@ -174,12 +216,21 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
                 shutil.copymode(target, new)
             new.replace(target)
     except OSError as error:
-        reason = error.strerror or error
-        raise StorageFailed(f"{path}: cannot be written: {reason}; make room there, or name another place.") from error
+        reason, advice = error.strerror or error, "make room there" if is_full(error) else "put that right"
+        raise StorageFailed(f"{path}: cannot be written: {reason}; {advice}, or name another place.") from error
     finally:
         if is_plain:
             with suppress(OSError):  # it could not be made
                 new.unlink()
+
+
+def is_full(error: OSError) -> bool:
+    """Whether something cannot be written for want of room.
+
+    Args:
+        error: What the system said.
+    """
+    return error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def _clear(folder: Path) -> None:

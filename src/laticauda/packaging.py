@@ -6,6 +6,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from laticauda.arguments import explained
+
 if TYPE_CHECKING:
     __version__: str  # read when it is first used
 
@@ -23,6 +25,7 @@ def lazy_exports(*own: str) -> _Exports:
         __getattr__, __dir__, __all__ = lazy_exports()
 
     A function in a module of its own name is imported outside of that block, at once: the module would take its place.
+    What fails with an argument of the wrong type names that argument, see `laticauda.arguments`.
     The import statements are read from the compiled `__init__`, which is there in a zip file and a frozen program too.
 
     Args:
@@ -40,12 +43,14 @@ def lazy_exports(*own: str) -> _Exports:
             homes[instruction.argval] = home
     package, there = caller.f_globals["__name__"], set(caller.f_globals)
     imported = {name for name, home in homes.items() if name not in there or home.startswith(f"{package}.")}
+    for name in imported & there:
+        caller.f_globals[name] = explained(caller.f_globals[name], package)
     names = sorted(imported.union(own) - {lazy_exports.__name__})
 
     def get(name: str) -> Any:
         if name not in homes or name in there:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(import_module(homes[name]), name)
+        return explained(getattr(import_module(homes[name]), name), package)
 
     return get, lambda: names, names
 

@@ -18,6 +18,7 @@ import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
+from itertools import islice
 from typing import Any, Literal, TypeVar, Union, cast, dataclass_transform, get_args, get_origin, overload
 
 from laticauda.errors import BadArgument, finite, flag, instance, one_of, shown, text, whole
@@ -34,12 +35,15 @@ DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 LIMITS = {
     "kg/m^3": 25e3,  # osmium has 22 590
     **dict.fromkeys(("A", "V", "deg C", "degC", "m/s"), 1e4),
-    **dict.fromkeys(("Hz", "K/W", "m", "m/s^2", "m^2", "ohm", "rad"), 1e6),
+    **dict.fromkeys(("Hz", "K/W", "m/s^2", "m^2", "ohm", "rad"), 1e6),
+    "m": 1e7,  # coordinates of surveys, as UTM's, come near it
     **dict.fromkeys(("deg", "kg", "m^3"), 1e9),
 }
 """How large a number of a unit may be where its field declares no bound on that side: beyond it, it is a slip."""
 LARGEST = 1e12
 """The same for all other units: far beyond any swimmer, and far from where sums and squares of numbers overflow."""
+MOST_ITEMS = 10_000_000
+"""A list of numbers that somebody gives is not longer than this, and does not go on for ever."""
 LEAST = {"m": 1e-9, "kg": 1e-9, "kg/m^3": 1e-9}
 """How small a number of a unit may be where its field says that it is above 0: below it, it is a slip."""
 SMALLEST = 1e-12
@@ -122,13 +126,7 @@ def quantity(unit: str, text: str, *, default: T, ge: float = ..., gt: float = .
 @overload
 def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ...) -> Any: ...
 def quantity(
-    unit: str,
-    text: str,
-    *,
-    default: Any = MISSING,
-    ge: float = -math.inf,
-    gt: float = -math.inf,
-    le: float = math.inf,
+    unit: str, text: str, *, default: Any = MISSING, ge: float = -math.inf, gt: float = -math.inf, le: float = math.inf
 ) -> Any:
     """A field that is a number, several numbers, or None where its type allows it.
 
@@ -150,13 +148,7 @@ def option(text: str, *, default: T, check: Check | None = ...) -> T: ...
 def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ...) -> T: ...
 @overload
 def option(text: str, *, check: Check | None = ...) -> Any: ...
-def option(
-    text: str,
-    *,
-    default: Any = MISSING,
-    default_factory: Any = MISSING,
-    check: Check | None = None,
-) -> Any:
+def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None) -> Any:
     """A field that is no number: a text, a truth value, a choice or another value.
 
     Args:
@@ -310,12 +302,11 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
         return _check_of_union(hint, inner, declared)
     if get_origin(hint) is tuple:
         counts = () if inner[-1] is Ellipsis else (len(inner),)
-        return functools.partial(_several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts)
+        return functools.partial(several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts)
     if get_origin(hint) is Literal:
         return one_among(*get_args(hint))
     if declared is not None:
-        of_64_bits = dataclasses.replace(declared, le=min(declared.le, 2.0**63))  # seeds, say
-        return functools.partial(_whole, of_64_bits) if hint is int else declared.checked
+        return functools.partial(_whole, declared) if hint is int else declared.checked
     if hint in (bool, str):
         return flag if hint is bool else text
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
@@ -333,7 +324,7 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
         item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples if ... not in get_args(one))
         words = (_WORDS.get(one, one.__name__) for one in others if one is not type(None))
         things = " or a ".join([_things(item, counts, declared), *words])
-        check = functools.partial(_several, _check_of(item, declared), things, counts)
+        check = functools.partial(several, _check_of(item, declared), things, counts)
         return lambda name, given: given if isinstance(given, (*others,)) else check(name, given)
     is_class = all(isinstance(one, type) for one in kinds) and declared is None
     return (lambda name, given: instance(name, given, *kinds)) if is_class else None
@@ -345,12 +336,25 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
     return number
 
 
-def _several(item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any) -> tuple[Any, ...]:
-    """`given` as a tuple of checked items."""
+def several(item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any) -> tuple[Any, ...]:
+    """What can be gone through as a tuple of checked items.
+
+    Args:
+        item: The check of each.
+        things: What there have to be, in words.
+        counts: How many there may be; none: any number up to `MOST_ITEMS`.
+        name: Of the argument.
+        given: What was given.
+
+    Raises:
+        ValueError: If it is something else, of another length, or an item is refused.
+    """
     is_scalar = getattr(given, "shape", None) == ()  # an array without axes cannot be gone through
     if is_scalar or isinstance(given, str | Mapping) or not isinstance(given, Iterable):
         raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
-    values: tuple[Any, ...] = tuple(cast("Iterable[Any]", given))
+    values: tuple[Any, ...] = tuple(islice(cast("Iterable[Any]", given), MOST_ITEMS + 1))
+    if len(values) > MOST_ITEMS:
+        raise BadArgument(name, f"must be {things}, got more than {MOST_ITEMS} of them")
     if counts and len(values) not in counts:
         raise BadArgument(name, f"must be {things}, got {len(values)} of them")
     return values if item is None else tuple(item(f"{name}[{i}]", one) for i, one in enumerate(values))

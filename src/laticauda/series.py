@@ -7,6 +7,8 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_origin, 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import BadArgument
+
 # What `Log` holds, by its axes; one sample has no time.
 Samples: TypeAlias = Float[np.ndarray, " *time"]
 Places: TypeAlias = Float[np.ndarray, "*time axis"]
@@ -69,6 +71,25 @@ class Log:
         found = {name: values for name in SERIES if (values := getattr(self, name)) is not None}
         found |= {LINK_FORCE + name: values for name, values in (self.link_force or {}).items()}
         return found | {SIGNAL + name: values for name, values in self.signals.items()}
+
+
+def numbers(name: str, values: object) -> Float[np.ndarray, "..."]:
+    """`values` as an array of floats, which may be theirs.
+
+    Args:
+        name: Of the argument.
+        values: Of any shape.
+
+    Raises:
+        ValueError: If they are no numbers, some are masked, they are complex, or rows differ in length.
+    """
+    try:
+        given = np.asarray(values)
+    except (ValueError, MemoryError):  # rows of different lengths, or without end
+        given = np.empty((), dtype=object)
+    if given.dtype.kind not in "iuf" or np.ma.is_masked(values):
+        raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
+    return np.asarray(given, dtype=np.float64, order="C")
 
 
 def _series(hint: Any) -> Series:

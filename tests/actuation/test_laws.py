@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 from derivatives import by_differences, check_compiled, check_complex_steps
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from laticauda import actuation
 from laticauda.actuation import Drive, motor_power

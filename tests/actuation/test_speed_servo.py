@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from derivatives import by_complex_step, check_compiled, check_complex_steps
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 import laticauda as lc
 from laticauda import actuation

@@ -210,6 +210,25 @@ def test_ctrl_c_while_something_is_imported_is_one_line(module: str):
     assert (done.returncode, done.stderr) == (130, "laticauda: stopped.\n")
 
 
+IN_C = """
+import ctypes, os, signal
+from laticauda import cli
+from laticauda.cli import app
+
+def work(args):
+    ctypes.pythonapi.PyRun_SimpleString(b"import os, signal; os.kill(os.getpid(), signal.SIGINT)\\nwhile True: pass")
+    print("goes on")
+
+app.main = work
+cli.main([])
+"""
+
+
+def test_ctrl_c_where_a_library_in_c_prints_errors_instead_of_handing_them_on_is_one_line():
+    done = subprocess.run([sys.executable, "-c", IN_C], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
+
+
 TWICE = """
 import os, signal, sys
 from laticauda import cli

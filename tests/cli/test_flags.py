@@ -64,6 +64,23 @@ def test_a_number_out_of_range_is_refused_in_the_unit_that_was_typed(line, messa
     assert str(refused.value) == message
 
 
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ("swim --save ''", "--save"),
+        ("trial show ''", "FILE"),
+        ("sweep --output $'\\0'", "--output"),
+        ("serve --host .", "--host"),
+        ("cockpit --host 'a\nb'", "--host"),
+        ("lab --host ..", "--host"),
+    ],
+)
+def test_what_can_be_the_name_of_no_file_and_of_no_host_is_refused_by_its_option(run, line, named):
+    done = run(line.replace("$'\\0'", "\0"))
+    assert done.status == 2
+    assert named in done.err and "Traceback" not in done.err
+
+
 def test_an_argument_is_told_by_its_option():
     assert spelled("angle", Draw()) == "--angle-deg"
     assert spelled("at[1]", Draw()) == "--at"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.studies import Optimization, optimize, trials
+from laticauda.studies import Optimization, optimize, sweep
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -60,7 +60,7 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
 
 
 def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    swim_points, calls = trials.swim_points, []
+    swim_points, calls = sweep.swim_points, []
 
     def stop(*args):
         calls.append(args)
@@ -69,7 +69,7 @@ def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch
         return swim_points(*args)
 
     with monkeypatch.context() as context:
-        context.setattr(trials, "swim_points", stop)
+        context.setattr(sweep, "swim_points", stop)
         done = run(f"optimize {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to go on.\n"

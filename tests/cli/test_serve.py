@@ -1,4 +1,5 @@
 import json
+import re
 import signal
 import socket
 import subprocess
@@ -36,10 +37,12 @@ def test_the_server_says_where_it_is_serves_and_ends_well_with_ctrl_c(tmp_path):
 def test_whoever_opens_the_server_to_others_is_warned():
     with serving("--host", "0.0.0.0") as server:
         line = server.stdout.readline()
-        assert line.startswith("tcp 0.0.0.0:") and "this computer only" not in line
+        assert re.fullmatch(r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| matlab .*\n", line)
         server.send_signal(signal.SIGINT)
         assert server.wait(20) == 0
-        assert "Anyone who reaches 0.0.0.0 can use this computer's time" in server.stderr.read()
+        told = server.stderr.read()
+        assert "Whoever reaches 0.0.0.0 and has the token is answered; nothing is encrypted" in told
+        assert line.split()[3].rstrip(")") not in told
 
 
 @pytest.mark.parametrize(

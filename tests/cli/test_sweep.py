@@ -13,7 +13,7 @@ import pytest
 import laticauda as lc
 from laticauda.cli import vary
 from laticauda.simulate import parameters
-from laticauda.studies import open_sweep, trials
+from laticauda.studies import open_sweep, sweep
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 KNOWN = parameters(lc.scenario("mamba-fin", GAIT))
@@ -112,6 +112,8 @@ def test_degrees_are_in_the_name():
         ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
         ("--list nothing.csv", "nothing.csv: no such file"),
         ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
+        ("--list strange.csv", "--list of strange.csv must name what the robot, gait or water has, got 'colour'"),
+        ("--list negative.csv", "--list of negative.csv must be within the bounds of what is swept"),
         ("--list ragged.csv", "ragged.csv: row 3: it must have a cell per column"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
         ("--list words.csv --samples 3", "--list must not be given together with --vary or --samples"),
@@ -125,6 +127,8 @@ def test_degrees_are_in_the_name():
 )
 def test_bad_input_is_said_in_the_words_of_the_command(run, folder: Path, line: str, message: str):
     (folder / "empty.csv").write_text("")
+    (folder / "strange.csv").write_text("colour\n1\n")
+    (folder / "negative.csv").write_text("normal-drag\n-1\n")
     (folder / "ragged.csv").write_text("amplitude-deg,offset-deg\n1,2\n3\n")
     (folder / "words.csv").write_text("amplitude-deg\nx\n")
     (folder / "file").write_text("")
@@ -149,7 +153,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         raise KeyboardInterrupt
 
     with monkeypatch.context() as context:
-        context.setattr(trials, "collected", stop)
+        context.setattr(sweep, "collected", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to go on.\n"

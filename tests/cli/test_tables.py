@@ -1,8 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.cli.tables import aligned, number, percent, read_in
 
@@ -21,6 +20,8 @@ def test_columns_are_aligned():
         (0.0, "0"),
         (4e-9, "0"),
         (-1.853, "-1.853"),
+        (math.inf, "-"),
+        (math.nan, "-"),
     ],
 )
 def test_numbers_have_four_digits(value, shown):

@@ -7,6 +7,7 @@ import socket
 
 import pytest
 
+from laticauda.access import Door
 from laticauda.cockpit import pages
 
 viser = pytest.importorskip("viser")
@@ -18,7 +19,8 @@ class Served:
     """A server of empty pages, and what it answers."""
 
     def __init__(self, host):
-        self.server = pages.serve(host, 0)
+        self.door = Door.of(host)
+        self.server = pages.serve(self.door, 0)
         self.port = self.server.get_port()
         self.host = f"127.0.0.1:{self.port}"
 
@@ -85,6 +87,27 @@ def test_pages_of_others_get_nothing(own, headers):
     assert own.messages(**headers) == 403
 
 
+@pytest.fixture(scope="module")
+def public():
+    served = Served("0.0.0.0")
+    yield served
+    pages.stop(served.server)
+
+
+def test_beyond_this_computer_a_page_is_answered_that_has_the_token_and_nobody_else(public, caplog, capfd):
+    token = public.door.token
+    with caplog.at_level(logging.INFO):
+        for path in ("/", "/index.html", f"/?{token}", f"/{token[::-1]}/"):
+            assert public.get(path).status == public.messages(path) == 403
+        for path in (f"/{token}/", f"/{token}", f"/{token}/?darkMode"):
+            assert "<html" in public.get(path).text
+            assert public.messages(path) is True
+        assert public.get(f"/{token}/../../setup.py").status == 404
+        assert public.messages(f"/{token}/", Origin="http://evil.example") == 403
+    assert public.get(f"/{token}/").headers["Referrer-Policy"] == "no-referrer"
+    assert token not in caplog.text + "".join(capfd.readouterr())
+
+
 JUNK = (b"junk", "junk", b"", b"\x81\xa4type\xa4nope", b"\x81\xa4type\xb3GuiUpdateMessage")
 
 
@@ -120,6 +143,6 @@ def test_a_viser_that_would_serve_everybody_is_refused(monkeypatch):
     import websockets.asyncio.server as module
 
     usual = module.serve
-    with pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"), pages._guarding():
+    with pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"), pages._guarding(Door.of("127.0.0.1")):
         pass  # a viser that makes its server otherwise
     assert module.serve is usual

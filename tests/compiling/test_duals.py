@@ -9,9 +9,16 @@ from numba import njit
 
 import laticauda as lc
 from laticauda.actuation import JointLaw
-from laticauda.compiling import compiled, in_lanes, inner, lane_types, lanes
+from laticauda.compiling import (
+    compiled,
+    functions,  # noqa: F401 - it teaches lanes their sines
+    in_lanes,
+    inner,
+    lane_types,
+    lanes,
+)
 from laticauda.interfaces import Command, Start
-from laticauda.planar import functions, rows  # noqa: F401 - functions teaches lanes their sines
+from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant, specialize
 from laticauda.robot import PectoralFin, Tether, load_robot, load_water
 from laticauda.scenarios import Planar

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.compiling import compiled, for_python, in_lanes, inner, lane_types, lanes
-from laticauda.planar import functions
+from laticauda.compiling import compiled, for_python, functions, in_lanes, inner, lane_types, lanes
 
 WIDTH = 8
 rows_of = lane_types.rows_of(WIDTH)

@@ -5,13 +5,17 @@ import sys
 import pytest
 
 from laticauda.compiling.templates import PACKAGE, closure, digest_of
-from laticauda.planar.model import TEMPLATES
+from laticauda.fluid.flow import rows_of
+from laticauda.fluid.laws import TotalSpeedDrag
+from laticauda.fluid.uniform import LinearShear
+from laticauda.fluid.waves import Waves
+from laticauda.planar.model import TEMPLATES, specialize
 
 PLANAR = tuple(f"laticauda.planar.{name}" for name in TEMPLATES)
 MADE_OF = [
     PLANAR,
     ("laticauda.spatial.drives", "laticauda.spatial.stepping"),
-    ("laticauda.mujoco_water.loads",),
+    ("laticauda.mujoco_water.callback",),
     ("laticauda.cosim.native.platforms",),
 ]
 # The least of the kernels that the drag law is in, and the one that the joint laws are in.
@@ -64,6 +68,21 @@ def test_an_edit_of_any_file_that_a_kernel_is_made_of_changes_its_digest(copy, m
 def test_kernels_are_made_of_the_laws_and_of_the_compiler_s_own_sources_too(modules):
     found = {str(path.relative_to(PACKAGE)) for path in closure(*modules)}
     assert found >= {"scalars.py", "compiling/__init__.py", "compiling/lanes.py"}
+
+
+def test_specializations_have_in_common_what_does_not_know_how_they_differ():
+    """It is compiled once for both, and found on disk by processes that have the other one alone."""
+    still, *moving = (
+        specialize(flow=rows_of(flow).kinds) if flow else specialize()
+        for flow in (None, LinearShear(speed=0.1), Waves(height=0.1, length=2.0))
+    )
+    one, other = (kernels.recursion for kernels in moving)
+    assert one.velocities is other.velocities is still.recursion.velocities
+    assert one.own_bias is other.own_bias is not still.recursion.own_bias  # all that moving water adds is the same
+    assert one.accelerations is not other.accelerations
+    assert specialize(law=TotalSpeedDrag()).recursion.own_bias is not still.recursion.own_bias
+    for name in {"own_bias", "accelerations"}:
+        assert vars(other)[name].py_func.__globals__["__name__"] == "laticauda.compiling.templates"
 
 
 def test_an_edit_elsewhere_leaves_machine_code_valid(copy):

@@ -2,8 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.angles import wrap_to_pi
 from laticauda.control import IntegralLineOfSight, LineOfSight, PathFrame, StraightLine

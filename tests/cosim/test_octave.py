@@ -10,7 +10,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
-from laticauda.cosim import matlab_folder
+from laticauda.cosim import Server, matlab_folder
 from laticauda.cosim.messages import FIRST_GAIT
 from laticauda.interfaces import Start
 from laticauda.simulate import plant, run
@@ -35,9 +35,10 @@ def octave(server, tmp_path):
     if why_not():
         pytest.skip(why_not())
 
-    def octave(code: str) -> str:
+    def octave(code: str, *more: str, port: int = server.port) -> str:
         script = tmp_path / "script.m"
-        head = f"addpath ('{matlab_folder()}');\nclient = laticauda_client ('127.0.0.1', {server.port}, 30);\n"
+        words = ", ".join(("'127.0.0.1'", str(port), "30", *more))
+        head = f"addpath ('{matlab_folder()}');\nclient = laticauda_client ({words});\n"
         script.write_text(head + code, encoding="utf-8")
         words = ["octave-cli", "--quiet", "--no-init-file", str(script)]
         done = subprocess.run(words, capture_output=True, text=True, timeout=120)
@@ -133,3 +134,17 @@ def test_a_robot_swims_in_a_flow_that_octave_says_as_in_one_that_python_says(oct
         """
     )
     assert [line.strip() for line in out.splitlines()] == [f"{x:.12g} {y:.12g}", "turbulence 32"]
+
+
+def test_octave_shows_the_token_and_a_server_for_others_hears_nobody_without(octave):
+    with Server("0.0.0.0", 0) as public:
+        code = """
+            try
+              client.reset (); disp ('answered')
+            catch err
+              disp (err.message)
+            end
+            disp ('ended well')
+        """
+        assert octave(code, f"'{public.door.token}'", port=public.port) == "answered\n"
+        assert octave(code, "''", port=public.port).startswith("The first message must hold the `token`")

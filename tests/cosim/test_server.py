@@ -3,6 +3,7 @@ import socket
 import time
 
 import pytest
+from cosim_client import Client
 
 from laticauda.cosim import MESSAGE_BYTES, Server
 from laticauda.cosim.server import ServerFailed
@@ -134,6 +135,36 @@ def test_a_long_run_of_one_client_does_not_stop_the_others(connect):
     busy.wire.settimeout(0.0)
     with pytest.raises(BlockingIOError):
         busy.wire.recv(1)
+
+
+def test_beyond_this_computer_the_first_message_has_the_token_or_nothing_is_done():
+    with Server("0.0.0.0", 0) as server:
+        for line in (b'{"do": "reset"}', b'{"do": "reset", "token": "a"}', b'{"token": null', b"{}", b'{"token": 1}'):
+            stranger = Client(server.port)
+            reply = stranger.line(line + b'\n{"do": "run"}')
+            assert reply == {"error": "The first message must hold the `token` that the server printed. Good-bye."}
+            assert stranger.is_let_go()
+            stranger.close()
+        known = Client(server.port)
+        assert "observation" in known.ask("reset", token=server.door.token)
+        assert "observation" in known.ask("step", duration=0.05)
+        known.close()
+
+
+def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
+    monkeypatch.setattr("laticauda.cosim.server.GREETING", 0.2)
+    with Server("0.0.0.0", 0, max_clients=1) as server:
+        stranger = Client(server.port)
+        stranger.stream.write(b"\n \n{")
+        stranger.stream.flush()
+        assert stranger.is_let_go()
+        stranger.close()
+        eventually(lambda: not server._clients)
+        known = Client(server.port)
+        assert "observation" in known.ask("reset", token=server.door.token)
+        time.sleep(0.4)
+        assert "observation" in known.ask("step", duration=0.05)
+        known.close()
 
 
 def test_a_port_that_is_taken_is_said():

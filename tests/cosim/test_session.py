@@ -1,4 +1,5 @@
 import json
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -8,6 +9,7 @@ import pytest
 import laticauda as lc
 from laticauda.codec import decode, encode
 from laticauda.cosim import Session
+from laticauda.cosim.budget import Budget
 from laticauda.cosim.messages import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
@@ -96,6 +98,55 @@ def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, 
     assert len(reply["series"]["time"]) + reply["dropped"] == 51
     assert reply["series"]["time"][-1] == pytest.approx(2.5)
     assert len(reply["series"]["time"]) <= 20
+
+
+def budgeted(**room):
+    session = Session(budget=Budget(**room).shared(4))
+    return lambda request, **fields: json.loads(session.answer(json.dumps({"do": request, **fields}).encode()))
+
+
+def test_a_log_and_a_request_have_a_clients_part_of_the_numbers_of_all():
+    ask = budgeted(logged=4 * 51 * 10)  # ten samples of nine links
+    ask("reset")
+    for _ in range(50):
+        ask("step", duration=0.05)
+    reply = ask("get", series=["time"])
+    assert 5 <= len(reply["series"]["time"]) <= 10
+    assert len(reply["series"]["time"]) + reply["dropped"] == 51
+    for request in ("step", "run"):
+        assert "s at a `sample_interval` of 0.05 s for 9 links, got 2." in ask(request, duration=2.0)["error"]
+
+
+def test_an_answer_has_a_clients_part_of_the_numbers_of_all():
+    ask = budgeted(answered=400)
+    assert ask("run", series=["time"])["error"] == "`series` must hold 100 numbers or fewer in one answer, got 601."
+
+
+def test_what_is_large_waits_for_its_turn_and_what_is_small_does_not():
+    budget = Budget().shared(4)
+    session, answers = Session(budget=budget), []
+
+    def ask(**fields):
+        answers.append(json.loads(session.answer(json.dumps(fields).encode())))
+
+    ask(do="reset")
+    large = threading.Thread(target=ask, kwargs={"do": "step", "duration": 200.0})
+    with budget.turn:
+        ask(do="step", duration=0.1)
+        large.start()
+        large.join(0.3)
+        assert large.is_alive() and len(answers) == 2
+    large.join(30.0)
+    assert answers[-1]["observation"]["time"] == pytest.approx(200.1)
+
+
+def test_a_current_of_one_kind_too_many_is_refused_and_changes_nothing(monkeypatch):
+    monkeypatch.setattr("laticauda.cosim.budget.MOST_KINDS", 0)
+    ask = budgeted()
+    before = ask("reset")
+    for request in ("reset", "set"):
+        assert ask(request, current="vortex")["error"].startswith("`current` must be of a kind that this server has")
+    assert ask("get")["observation"] == before["observation"]
 
 
 def test_parameters_bring_their_water_their_robot_and_their_joint_law(ask):
@@ -196,7 +247,11 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("get", {"protocol": 2}, "`protocol` must be 1, which it speaks, got 2."),
         ("step", {}, "`duration` must be a number in s, got None."),
         ("step", {"duration": 0}, "`duration` must be > 0 s, got 0."),
-        ("step", {"duration": 1e4}, "`duration` must be <= 5000 s at a `sample_interval` of 0.05 s, got 10000."),
+        (
+            "step",
+            {"duration": 1e4},
+            "`duration` must be <= 5000 s at a `sample_interval` of 0.05 s for 9 links, got 10000.",
+        ),
         ("step", {"duration": 1, "ofset": 1}, "`ofset` is not known; did you mean `offset`?"),
         ("step", {"duration": 1, "offset": "x"}, "`offset` must be a number in rad, got 'x'."),
         ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
@@ -273,9 +328,10 @@ def test_an_answer_repeats_the_requests_id_also_with_an_error(ask):
     assert ask("step", id=7)["id"] == 7
 
 
-def test_an_answer_that_would_be_too_long_is_refused(ask, monkeypatch):
-    monkeypatch.setattr("laticauda.cosim.messages.MOST_NUMBERS", 100)
-    assert ask("run", series=["time"])["error"] == "`series` must hold 100 numbers or fewer in one answer, got 601."
+def test_an_answer_that_would_be_too_long_is_refused(monkeypatch):
+    monkeypatch.setattr("laticauda.cosim.budget.MOST_NUMBERS", 100)
+    reply = Session().answer(b'{"do": "run", "series": ["time"]}')
+    assert b"`series` must hold 100 numbers or fewer in one answer, got 601." in reply
 
 
 def test_numbers_of_the_drag_law_may_be_given_one_by_one_also_under_their_older_names():

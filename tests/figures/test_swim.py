@@ -16,6 +16,7 @@ from matplotlib.text import Annotation, Text
 
 from laticauda.figures import joint_angle, joint_torque, new_figure, save_figure, speed, swim_sheet
 from laticauda.figures.style import DOUBLE_COLUMN
+from laticauda.figures.swim import plot_timing
 
 LABELS = ["x [m]", "y [m]", "time [s]", "speed [m/s]", "joint angle [deg]", "joint torque [N m]"]
 
@@ -141,3 +142,12 @@ def test_the_same_run_gives_the_same_file(tmp_path: Path, suffix: str):
     for name in ("a", "b"):
         save_figure(swim_sheet(run("lateral")), (tmp_path / name).with_suffix(suffix))
     assert (tmp_path / "a").with_suffix(suffix).read_bytes() == (tmp_path / "b").with_suffix(suffix).read_bytes()
+
+
+def test_the_marks_of_a_loop_are_median_99_9_percent_and_largest(ax):
+    plot_timing(ax, np.linspace(0.001, 0.02, 1000), 0.01, "latency")
+    marks = [text.get_text() for text in ax.texts]
+    assert "median 10.50" in marks
+    assert "largest 20.00" in marks
+    assert any(text.startswith("99.9 % 19.98") for text in marks)
+    assert ax.get_xlabel() == "latency [ms]"

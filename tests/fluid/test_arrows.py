@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.fluid.arrows import AROUND, LONGEST, MOMENTS, Surface, arrows_of, elevation, has_waves, round_down
 from laticauda.fluid.flow import FunctionFlow

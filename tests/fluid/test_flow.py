@@ -9,7 +9,7 @@ from numba import njit
 
 import laticauda as lc
 from laticauda.codec import decode, encode
-from laticauda.compiling.flows import summed
+from laticauda.compiling.formulas import summed
 from laticauda.compiling.lane_types import rows_of as rows_of_lanes
 from laticauda.fluid.flow import Flow, FunctionFlow, Sum, rows_of
 from laticauda.fluid.uniform import Uniform

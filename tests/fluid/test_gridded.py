@@ -13,8 +13,7 @@ import laticauda as lc
 from laticauda.codec import decode, encode
 from laticauda.cosim.fmu import export_fmu
 from laticauda.fluid.flow import Flow, FunctionFlow
-from laticauda.fluid.gridded import Gridded
-from laticauda.fluid.grids import to_dataset
+from laticauda.fluid.gridded import Gridded, to_dataset
 from laticauda.robot import load_robot, load_water
 from laticauda.simulate import sensitivities
 

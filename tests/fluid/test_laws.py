@@ -3,8 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from derivatives import check_compiled, check_complex_steps
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from laticauda.compiling import for_python
 from laticauda.compiling.formulas import in_numbers

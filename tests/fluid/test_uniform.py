@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 from flow_laws import check_derivatives, check_incompressible
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.fluid.uniform import BED_LAYER, LinearShear, PowerLawShear, Uniform
 from laticauda.robot import load_water

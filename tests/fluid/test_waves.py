@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from flow_laws import check_derivatives, check_incompressible
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import laticauda as lc
 from laticauda.codec import decode, encode

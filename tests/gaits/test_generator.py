@@ -3,8 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.gaits import Gait, Generator, GeneratorState, custom_gait, eel_like, envelope_of, lateral_undulation

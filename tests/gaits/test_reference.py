@@ -4,8 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 from derivatives import check_compiled, check_complex_steps
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp  # pyright: ignore[reportUnknownVariableType]  # has no types
 
 from laticauda.gaits.reference import (

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,12 +10,15 @@ from laticauda.errors import SimulationFailed
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
 from laticauda.identify.fitting import minimize
 
-NOISY = speeds(noise=0.002)
+
+@cache
+def swum():
+    return speeds(noise=0.002)
 
 
 @pytest.fixture(scope="module")
 def noisy():
-    return fit(NOISY, parameters=[FRICTION], n_starts=1)
+    return fit(swum(), parameters=[FRICTION], n_starts=1)
 
 
 def test_without_noise_the_truth_comes_back_exactly():
@@ -47,32 +51,34 @@ def test_an_interval_holds_the_truth_and_its_own_value(noisy):
 
 
 def test_twice_the_noise_makes_intervals_twice_as_wide(noisy):
-    figures = [{"forward_velocity": (v, 2 * s)} for v, s in (m.figures["forward_velocity"] for m in NOISY)]
-    wider = fit([replace(m, figures=f) for m, f in zip(NOISY, figures, strict=True)], parameters=[FRICTION], n_starts=1)
+    figures = [{"forward_velocity": (v, 2 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())]
+    wider = fit(
+        [replace(m, figures=f) for m, f in zip(swum(), figures, strict=True)], parameters=[FRICTION], n_starts=1
+    )
     assert wider[FRICTION].value == pytest.approx(noisy[FRICTION].value, rel=1e-7)
     assert wider[FRICTION].sigma == pytest.approx(2 * noisy[FRICTION].sigma, rel=1e-6)
 
 
 def test_noise_that_is_estimated_does_not_depend_on_what_is_stated(noisy):
-    figures = [{"forward_velocity": (v, 7 * s)} for v, s in (m.figures["forward_velocity"] for m in NOISY)]
-    stated = [replace(m, figures=f) for m, f in zip(NOISY, figures, strict=True)]
-    one, other = (fit(m, parameters=[FRICTION], n_starts=1, noise="estimated") for m in (NOISY, stated))
+    figures = [{"forward_velocity": (v, 7 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())]
+    stated = [replace(m, figures=f) for m, f in zip(swum(), figures, strict=True)]
+    one, other = (fit(m, parameters=[FRICTION], n_starts=1, noise="estimated") for m in (swum(), stated))
     assert one[FRICTION].sigma == pytest.approx(other[FRICTION].sigma, rel=1e-5)
     assert one.noise_factor == pytest.approx(7 * other.noise_factor, rel=1e-5)
     assert one[FRICTION].sigma == pytest.approx(one.noise_factor * noisy[FRICTION].sigma, rel=1e-5)
 
 
 def test_the_order_of_measurements_and_of_parameters_does_not_matter():
-    one = fit(NOISY, parameters=[FRICTION, "robot.tether.drag"], n_starts=1)
-    other = fit(NOISY[::-1], parameters=["robot.tether.drag", FRICTION], n_starts=1)
+    one = fit(swum(), parameters=[FRICTION, "robot.tether.drag"], n_starts=1)
+    other = fit(swum()[::-1], parameters=["robot.tether.drag", FRICTION], n_starts=1)
     for name in (FRICTION, "robot.tether.drag"):
         assert one[name].value == pytest.approx(other[name].value, rel=1e-5, abs=1e-9)
     assert one.chi2 == pytest.approx(other.chi2, rel=1e-7)
 
 
 def test_the_same_measurements_twice_make_the_deviation_smaller_by_the_root_of_two(noisy):
-    again = [replace(m, name=f"{m.name} again") for m in NOISY]
-    found = fit([*NOISY, *again], parameters=[FRICTION], n_starts=1)
+    again = [replace(m, name=f"{m.name} again") for m in swum()]
+    found = fit([*swum(), *again], parameters=[FRICTION], n_starts=1)
     assert found[FRICTION].value == pytest.approx(noisy[FRICTION].value, rel=1e-6)
     assert found[FRICTION].sigma == pytest.approx(noisy[FRICTION].sigma / np.sqrt(2.0), rel=1e-5)
 
@@ -88,10 +94,10 @@ def test_a_prior_alone_comes_back():
 
 def test_a_prior_and_the_data_meet_by_their_weights(noisy):
     value, sigma = noisy[FRICTION].value, noisy[FRICTION].sigma
-    found = fit(NOISY, parameters=[Unknown(name=FRICTION, prior=(value + sigma, sigma))], n_starts=1)
+    found = fit(swum(), parameters=[Unknown(name=FRICTION, prior=(value + sigma, sigma))], n_starts=1)
     assert found[FRICTION].value == pytest.approx(value + 0.5 * sigma, abs=0.05 * sigma)
     assert found[FRICTION].sigma == pytest.approx(sigma / np.sqrt(2.0), rel=0.05)
-    both = fit(NOISY, parameters=[Unknown(name=FRICTION, prior=(value, sigma))], n_starts=1, noise="estimated")
+    both = fit(swum(), parameters=[Unknown(name=FRICTION, prior=(value, sigma))], n_starts=1, noise="estimated")
     assert both.noise_factor == pytest.approx(noisy.noise_factor, rel=0.1)
 
 
@@ -214,15 +220,15 @@ def test_one_module_may_have_its_own_number():
 
 
 def test_outliers_count_less_with_a_robust_loss():
-    bad = replace(NOISY[2], figures={"forward_velocity": (0.4, 0.002)})
-    spoiled = [*NOISY[:2], bad, *NOISY[3:]]
+    bad = replace(swum()[2], figures={"forward_velocity": (0.4, 0.002)})
+    spoiled = [*swum()[:2], bad, *swum()[3:]]
     plain, robust = (fit(spoiled, parameters=[FRICTION], n_starts=1, loss=loss) for loss in ("linear", "cauchy"))
     assert abs(robust[FRICTION].value - 0.2) < 0.01 < abs(plain[FRICTION].value - 0.2)
 
 
 def test_residuals_are_listed_by_measurement(noisy):
     rows = noisy.residuals
-    assert [row["measurement"] for row in rows] == [m.name for m in NOISY]
+    assert [row["measurement"] for row in rows] == [m.name for m in swum()]
     assert sum(row["in standard deviations [-]"] ** 2 for row in rows) == pytest.approx(noisy.chi2)
     assert rows[0]["group"] == "lateral undulation, without fin" and rows[0]["unit"] == "m/s"
     assert 0.0 < noisy.percentage_error() < 10.0
@@ -231,29 +237,35 @@ def test_residuals_are_listed_by_measurement(noisy):
 
 
 def test_a_bound_that_holds_the_value_back_is_named():
-    found = fit(NOISY, parameters=[Unknown(name=FRICTION, lower=0.25, upper=0.4)], n_starts=1)
+    found = fit(swum(), parameters=[Unknown(name=FRICTION, lower=0.25, upper=0.4)], n_starts=1)
     assert found[FRICTION].value == pytest.approx(0.25)
     assert "at the lower end of its range" in found[FRICTION].note
 
 
 def test_gaits_that_are_all_the_same_are_warned_of():
-    same = [replace(NOISY[0], name=f"{i}") for i in range(3)]
+    same = [replace(swum()[0], name=f"{i}") for i in range(3)]
     found = fit(same, parameters=[FRICTION], n_starts=1)
     assert any(words.startswith("All measurements are of the same gait") for words in found.warnings)
 
 
-def refused(match, measurements=NOISY, parameters=(FRICTION,), **settings):
+def refused(match, measurements=None, parameters=(FRICTION,), **settings):
     with pytest.raises(ValueError, match=match):
-        fit(measurements, parameters=parameters, **settings)
+        fit(swum() if measurements is None else measurements, parameters=parameters, **settings)
 
 
 def test_bad_input_is_refused_by_name():
-    refused(r"must hold at least 3 numbers for 3 unknowns without a prior, got 2", NOISY[:2], [FRICTION, DRAG, MASS])
-    refused(r"at least 2 numbers for 1 unknowns .* and the noise, got 1", NOISY[:1], noise="estimated")
-    refused(r"`measurements` must have different names, got `trial 0` twice", [NOISY[0], NOISY[0]])
+    refused(
+        r"must hold at least 3 numbers for 3 unknowns without a prior, got 2",
+        swum()[:2],
+        [FRICTION, DRAG, MASS],
+    )
+    refused(r"at least 2 numbers for 1 unknowns .* and the noise, got 1", swum()[:1], noise="estimated")
+    refused(r"`measurements` must have different names, got `trial 0` twice", [swum()[0], swum()[0]])
     refused(r"`measurements` must be a list of at least one", [])
     refused(
-        r"`trial 0` is of robot `mamba-modules`", [within(NOISY[0], robot=lc.load_robot("mamba-modules"))], robot=ROBOT
+        r"`trial 0` is of robot `mamba-modules`",
+        [within(swum()[0], robot=lc.load_robot("mamba-modules"))],
+        robot=ROBOT,
     )
     refused(r"got 'water.friction'; the nearest are .*`water.tangential_friction`", parameters=["water.friction"])
     refused(r"got 'measured.heading'; the nearest are .*`measured.heading_offset`", parameters=["measured.heading"])
@@ -275,7 +287,7 @@ def test_a_figure_that_a_trial_does_not_have_is_refused():
 
 
 def test_a_measurement_that_diverges_in_simulation_is_named():
-    wild = [within(m, environment=replace(WATER, tangential_friction=1e6)) for m in NOISY[:2]]
+    wild = [within(m, environment=replace(WATER, tangential_friction=1e6)) for m in swum()[:2]]
     with pytest.raises(SimulationFailed, match=r"`trial 0` cannot be simulated at any start .*diverged at t ="):
         fit(wild, parameters=[DRAG], n_starts=1, dt=0.1)
 

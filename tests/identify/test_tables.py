@@ -7,7 +7,7 @@ from identify.trials import FRICTION
 from laticauda.errors import TrialFileError
 from laticauda.identify import compare_laws, fit, from_table, from_table1
 from laticauda.trial import MeasuredTrials
-from laticauda.trial.speeds import KINDS
+from laticauda.trial.measured import KINDS
 
 ROW = {"gait": "LU", "alpha_deg": 30, "omega_deg_s": 130, "delta_deg": 40, "v_m_s": 0.15}
 

@@ -50,6 +50,8 @@ def test_the_preset_is_where_its_file_leads():
             'kind = "identification"\nparameters = [{name = "water.normal_drag", lower = 3, upper = 2}]\n[table1]\n',
             r"key `parameters\[0\].lower` of `water.normal_drag`: must be <",
         ),
+        (f"{HEAD}starts = inf\n[table1]\n", r"key `starts`: must be a whole number >= 1, got inf"),
+        (f'{HEAD}joints = "stiff"\n[table1]\n', r"key `joints`: must be one of `prescribed`"),
     ],
 )
 def test_what_is_wrong_with_a_file_is_said_with_its_key(text, message, tmp_path):

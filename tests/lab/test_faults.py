@@ -1,8 +1,7 @@
 import re
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.lab import KINDS, Fault, FaultFileError, Faults, fault_from_words, load_faults
 

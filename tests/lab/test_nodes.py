@@ -1,9 +1,9 @@
 import math
 import random
+from functools import cache
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from lab_parts import Operator, make_tank
 
 from laticauda.lab import Fault, NodeSettings
@@ -198,16 +198,20 @@ def test_a_leak_cannot_be_cleared_while_it_is_there(operator):
 
 
 FRAMES = st.lists(st.tuples(st.integers(0, 2**11 - 1) | st.sampled_from([1, 16, 0x100, 0x180]), st.binary(max_size=9)))
-LISTENER = Operator(make_tank()).ready()
+
+
+@cache
+def listener():
+    return Operator(make_tank()).ready()
 
 
 @given(frames=FRAMES)
 def test_no_frame_whatever_brings_a_node_down(frames):
     for identifier, data in frames:
-        LISTENER.tank.receive(identifier, data)
-    LISTENER.tank.advance(0.02)
-    assert all(m is not None for m in LISTENER.heard())
-    assert all(abs(node.reference) < 1.6 for node in LISTENER.tank.nodes)
+        listener().tank.receive(identifier, data)
+    listener().tank.advance(0.02)
+    assert all(m is not None for m in listener().heard())
+    assert all(abs(node.reference) < 1.6 for node in listener().tank.nodes)
 
 
 def test_truncated_frames_do_nothing(operator, straight):

@@ -8,8 +8,7 @@ from lab_parts import EXACT, Operator, make_tank
 from laticauda import lateral_undulation
 from laticauda.gaits import Generator
 from laticauda.interfaces import Start
-from laticauda.kinematics import center_of_mass as center_from_marker
-from laticauda.kinematics import link_angles
+from laticauda.kinematics import center_of_mass as center_from_marker, link_angles
 from laticauda.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.protocol import Heartbeat, JointState, Loads, Sync
 from laticauda.protocol.meter import decode_displayed

@@ -8,8 +8,7 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.gaits import EelLike, Gait

@@ -357,7 +357,8 @@ def test_a_marker_that_was_lost_for_a_moment_is_filled_and_said(swum, tmp_path):
     points["m4"][700:800] = np.nan
     c3d(path, points, "mm", 100.0)
     message = (
-        r"run.c3d: `m4 X` must have no gap longer than `longest_gap` = 0.1 s, got one of 1.01 s from 6.99 s to 8 s"
+        r"run.c3d by .*map.toml: `m4 X` must have no gap longer than `longest_gap` = 0.1 s, got one of 1.01 s "
+        "from 6.99 s to 8 s"
     )
     with pytest.raises(TrialFileError, match=message):
         load_trial(path, mapped(tmp_path, MAP + ENDS))
@@ -456,7 +457,7 @@ def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
 )
 def test_a_log_that_cannot_be_right_is_refused(swum, tmp_path, change, message):
     path = write(tmp_path / "log.csv", change(tail_log(swum)))
-    with pytest.raises(TrialFileError, match=r"Cannot load .*log.csv: .*" + message):
+    with pytest.raises(TrialFileError, match=r"Cannot load .*log.csv by .*map.toml: .*" + message):
         load_trial(path, mapped(tmp_path, MAP + BODY + JOINTS))
 
 
@@ -474,13 +475,13 @@ def test_a_log_that_cannot_be_right_is_refused(swum, tmp_path, change, message):
 )
 def test_a_table_that_makes_no_sense_is_refused(tmp_path, text, message):
     (tmp_path / "log.csv").write_text(text)
-    with pytest.raises(TrialFileError, match=r"Cannot load .*log.csv: " + message):
+    with pytest.raises(TrialFileError, match=r"Cannot load .*log.csv by .*map.toml: " + message):
         load_trial(tmp_path / "log.csv", mapped(tmp_path, MAP.replace("longest", "") + BODY + JOINTS))
 
 
 def test_a_file_that_is_not_there_is_said(tmp_path):
     for ending in ("csv", "c3d", "parquet", "mat"):
-        with pytest.raises(TrialFileError, match=rf"Cannot read .*none.{ending}: no such file"):
+        with pytest.raises(TrialFileError, match=rf"Cannot read .*none.{ending} by .*map.toml: no such file"):
             load_trial(tmp_path / f"none.{ending}", mapped(tmp_path, MAP + BODY + JOINTS))
 
 

@@ -2,8 +2,7 @@ import struct
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from laticauda.errors import TrialFileError
 from laticauda.logs import Recorder, open_recording, read_messages

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from laticauda.logs.ros2 import DEFINITIONS, decoder, encode, schema_name, schema_text
 

@@ -7,8 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 import water_oracle as oracle
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 from laticauda import mujoco_water as water

@@ -15,7 +15,7 @@ from laticauda.operate import Event, PowerReading
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.recording.entries import Measurement
-from laticauda.operate.safety.transitions import TRANSITIONS
+from laticauda.operate.safety.supervisor import TRANSITIONS
 from laticauda.protocol import (
     EmergencyStop,
     Heartbeat,

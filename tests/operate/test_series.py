@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.operate.series import run_series
 from laticauda.operate.session import Result
-from laticauda.operate.settings import Operation
+from laticauda.operate.settings import Operation, SeriesFile, load_operation
+from laticauda.paper.efficiency import TABLE2, load_repeats
 from laticauda.paper.measured import path_following_trials
-from laticauda.paper.repeats import TABLE2, load_repeats
 from laticauda.trial import Trial
 
 

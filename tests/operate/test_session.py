@@ -8,7 +8,6 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,8 +24,9 @@ from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock, DeviceFailed
 from laticauda.operate.loop import TankDevices, TankTime, run_loop
 from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
+from laticauda.operate.series import run_series
 from laticauda.operate.session import header_of, operate, result_of, table
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
 from laticauda.operate.terminal import Keys
 from laticauda.protocol import NodeState, bus_address
 from laticauda.robot import Current
@@ -36,6 +36,7 @@ SLOW = Calibration(joint_zeros=True, idle_time=1.0, still_time=0.5)
 ON = (NodeState.ACTIVE, NodeState.HOLD)
 # A computer that is busy with other tests is late; that is not what is tested here.
 PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
+WAITING = {"hold_after": 3.0, "limp_after": 4.0}  # modules that bear it, too [s]
 
 
 def operation(**changes) -> Operation:
@@ -55,11 +56,11 @@ def operation(**changes) -> Operation:
     return replace(usual, **changes)
 
 
-def tank(*faults: Fault, current: Current = (0.0, 0.0)) -> Tank:
+def tank(*faults: Fault, current: Current = (0.0, 0.0), **nodes: float) -> Tank:
     robot, water = lc.load_robot("mamba"), replace(lc.load_water("paper-lateral"), current=current)
     world = VirtualRobot(robot, lc.plant(robot, water, joints="servo"))
-    nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
-    return Tank(world, LabSettings(seed=1, nodes=nodes), faults)
+    usual = NodeSettings(startup_time=0.2, calibration_time=0.2)
+    return Tank(world, LabSettings(seed=1, nodes=replace(usual, **nodes)), faults)
 
 
 def stepped(operator: Operator, tank: Tank, **how) -> OperatorState:
@@ -86,7 +87,7 @@ def at(addresses, channel: str) -> Connection:
 
 def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path):
     threads = set(threading.enumerate())
-    lab = Lab(tank(), bus=bus_address("virtual:session-a"), port=0)
+    lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-a"), port=0)
     with lab as addresses:
         what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW)
         result = operate(what, tmp_path, clock=Clock())
@@ -95,7 +96,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     assert result.trial is not None
     assert lc.load_trial(tmp_path / "session.nc").equals(result.trial)
     summary = json.loads(json.dumps(result.summary()))
-    assert summary["duration"] == pytest.approx(2.0, abs=0.2)
+    assert 2.0 - 1.0 / 20.0 <= summary["duration"] < 2.0 + 1.0 / 20.0 + PATIENT.max_lateness
     assert summary["total_power"] - summary["electrical_power"] == pytest.approx(35 * summary["idle_current"])
     assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
     assert summary["timing"]["ticks"] > 50
@@ -105,7 +106,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
 
 
 def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
-    lab = Lab(tank(), bus=bus_address("virtual:session-b"), port=0)
+    lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-b"), port=0)
     keys, pressed = Keys(), []
 
     def show(state, outputs):
@@ -115,6 +116,7 @@ def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
 
     with lab as addresses, keys:
         what = operation(connection=at(addresses, "session-b"), rate=20.0, calibration=SLOW, duration=30.0)
+        what = replace(what, limits=replace(PATIENT, straighten_time=4.0))
         result = operate(what, tmp_path, clock=Clock(), keys=keys, show=show)
         assert lab.call(is_limp)
         assert lab.call(lambda tank: abs(tank.truth.joint_angle).max()) < math.radians(6)
@@ -272,18 +274,6 @@ def test_a_full_disk_stops_the_robot(tmp_path: Path):
     assert is_limp(swum)
 
 
-def test_a_recorder_that_fails_in_its_thread_says_so_and_does_not_wait(tmp_path: Path):
-    operator = Operator(operation=operation())
-    with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
-        with ThreadPoolExecutor(1) as thread:
-            sink = Sink(recorder, thread=thread)
-            sink.keep(0.0, [None])  # type: ignore[list-item]  # what cannot be written
-            end = time.monotonic() + 3.0
-            while not sink.trouble and time.monotonic() < end:
-                time.sleep(0.01)
-            assert sink.trouble
-
-
 def test_the_vendors_faults_of_a_tank_are_seen_for_what_they_are():
     swum = tank(Fault(kind="leak", time=3.5, node=4))
     state = stepped(Operator(operation=operation(duration=10.0)), swum)
@@ -436,3 +426,52 @@ def check_known(swum, calibration, sure):
     assert state.estimate is not None
     away = state.estimate.center_of_mass - swum.truth.center_of_mass[:2]
     assert math.hypot(*away) < sure * state.estimate.center_of_mass_std < 0.05
+
+
+# ---- a series goes on -----------------------------------------------------------------------------------------------
+
+
+def series(repeats: int = 2, retries: int = 1) -> SeriesFile:
+    return SeriesFile(name="goes-on", repeats=repeats, retries=retries, trials=(operation(name="a"),))
+
+
+def in_the_tank(*faults: Fault):
+    return lambda one, folder: operate(one, folder, tank=tank(*faults), frames=False)
+
+
+def test_a_series_with_a_rejected_run_goes_on_at_the_next_number_and_loses_nothing(tmp_path: Path):
+    leak = Fault(kind="leak", time=1.0, duration=60.0, node=3)
+    first = run_series(series(repeats=1, retries=0), tmp_path, in_the_tank(leak))
+    assert [one.accepted for one in first.settings[0].results] == [False]
+    left = {path.name: path.read_bytes() for path in tmp_path.glob("a-1.*")}
+    assert "a-1.mcap" in left
+    again = run_series(series(repeats=1, retries=0), tmp_path, in_the_tank())
+    assert again.is_complete
+    assert [one.name for one in again.settings[0].results] == ["a-1", "a-2"]
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("a-1.*")}.items() >= left.items()
+
+
+def test_a_run_whose_program_was_killed_before_its_trial_was_written_counts(tmp_path: Path):
+    run_series(series(repeats=1), tmp_path, in_the_tank())
+    kept = lc.load_trial(tmp_path / "a-1.nc")
+    (tmp_path / "a-1.nc").unlink()  # as if it had been killed between the two files
+    again = run_series(series(repeats=2), tmp_path, in_the_tank())
+    assert [one.accepted for one in again.settings[0].results] == [True, True]
+    np.testing.assert_array_equal(lc.load_trial(tmp_path / "a-1.nc").center_of_mass, kept.center_of_mass)
+
+
+def test_a_run_that_was_killed_in_its_midst_is_rejected_and_done_again(tmp_path: Path):
+    run_series(series(repeats=1), tmp_path, in_the_tank())
+    (tmp_path / "a-1.nc").unlink()
+    whole = (tmp_path / "a-1.mcap").read_bytes()
+    (tmp_path / "a-1.mcap").write_bytes(whole[: len(whole) // 2])
+    again = run_series(series(repeats=1), tmp_path, in_the_tank())
+    assert [one.accepted for one in again.settings[0].results] == [False, True]
+    assert (tmp_path / "a-1.mcap").read_bytes() == whole[: len(whole) // 2]
+    assert "a-1" in again.table()
+
+
+def test_a_single_run_that_is_repeated_finds_a_name_of_its_own(tmp_path: Path):
+    names = [operate(operation(name="b"), tmp_path, tank=tank(), frames=False).name for _ in range(3)]
+    assert names == ["b", "b-2", "b-3"]
+    assert sorted(path.name for path in tmp_path.glob("*.mcap")) == ["b-2.mcap", "b-3.mcap", "b.mcap"]

@@ -8,10 +8,9 @@ import pytest
 
 import laticauda as lc
 from laticauda.identify import fit, from_trial
-from laticauda.operate.files import load_operation
 from laticauda.operate.series import Series, run_series
-from laticauda.operate.settings import Calibration
-from laticauda.paper.repeats import TABLE2, load_repeats
+from laticauda.operate.settings import Calibration, load_operation
+from laticauda.paper.efficiency import TABLE2, load_repeats
 
 QUICK = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5)
 DURATION = 6.0

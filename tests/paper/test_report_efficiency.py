@@ -55,7 +55,7 @@ def test_repeated_trials_are_drawn_where_they_belong(study):
 
 def greens(ax) -> list[float]:
     """Values of the repeated trials on some axes, drawn to the right of their setting."""
-    from laticauda.paper.figures.efficiency import REPEATS as COLOR
+    from laticauda.paper.figures import REPEATS as COLOR
 
     drawn = [line for line in ax.lines if line.get_color() == COLOR and line.get_markerfacecolor() == "none"]
     return sorted(float(value) for line in drawn for value in line.get_ydata())

@@ -1,4 +1,7 @@
+import os
 import re
+import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,11 +12,10 @@ import pytest
 
 from laticauda.gaits import eel_like
 from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
+from laticauda.paper.report import reproduce as module
 from laticauda.paper.report.reproduce import CHAPTERS, HALVES, RUNS
 from laticauda.reports.chapter import Chapter
 from laticauda.robot import Parameters, load_parameters, load_robot, load_water
-
-module = sys.modules[reproduce.__module__]
 
 
 @pytest.fixture(scope="session")
@@ -131,3 +133,18 @@ def test_other_coefficients_reach_every_study():
     same = paper_experiments(load_parameters("mamba-identified")).efficiency.models
     assert [model.name for model in same] == ["mamba-identified", *(one for one in names if one != "mamba-identified")]
     assert mine.efficiency.models[1].scenario(mamba, eel).robot is mamba  # the paper's stays beside it as it is
+
+
+KILLED = """
+import os, signal
+from laticauda.paper.report import reproduce as module
+
+module.ProcessPoolExecutor = lambda *args, **more: os.kill(os.getpid(), signal.SIGKILL)
+module._run(None, ["efficiency", "side"], 2, None)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no such process")
+def test_a_reproduction_that_is_ended_at_once_says_nothing_of_what_its_workers_shared():
+    done = subprocess.run([sys.executable, "-c", KILLED], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (-signal.SIGKILL, "")

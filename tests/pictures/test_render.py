@@ -14,7 +14,7 @@ import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
 from laticauda.fluid.flow import FunctionFlow
-from laticauda.pictures import lines, render, stage
+from laticauda.pictures import render, replay, stage
 from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import posture_at, studio_of
@@ -242,7 +242,7 @@ def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_b
 def test_the_trail_is_seen_from_the_start(trial):
     mujoco = pytest.importorskip("mujoco")
     scene = mujoco.MjvScene(studio_of(trial).model, 50)
-    lines.draw_trail(scene, trial, 0.3, -1.0, 3.0)
+    replay.draw_trail(scene, trial, 0.3, -1.0, 3.0)
     pieces = scene.geoms[: scene.ngeom]
     assert len(pieces) == 2
     assert all(piece.rgba[3] == 1.0 and piece.pos[2] > -0.95 for piece in pieces)
@@ -260,7 +260,7 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
     followed = lc.run(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0)
-    dashes, dash = lines.path_dashes(followed, -1.0), lines.DASH * followed.robot.length
+    dashes, dash = replay.path_dashes(followed, -1.0), replay.DASH * followed.robot.length
     ends = np.array(dashes).reshape(-1, 3)
     assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0)
     np.testing.assert_allclose(ends[:, 1], 0.5, atol=1e-3)
@@ -269,13 +269,13 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
 
 
 def test_a_run_without_a_path_has_none(trial):
-    assert lines.path_dashes(trial, -1.0) == []
+    assert replay.path_dashes(trial, -1.0) == []
 
 
 def test_the_trail_keeps_its_corners_where_they_were(trial):
-    early, late = lines.trail_points(trial, 3.03, -1.0), lines.trail_points(trial, 5.98, -1.0)
+    early, late = replay.trail_points(trial, 3.03, -1.0), replay.trail_points(trial, 5.98, -1.0)
     np.testing.assert_array_equal(early[:-1], late[: len(early) - 1])
-    np.testing.assert_allclose(late[-1], [*lines.centers(trial, [5.98])[0], -1.0])
+    np.testing.assert_allclose(late[-1], [*replay.centers(trial, [5.98])[0], -1.0])
 
 
 # ---- pictures -----------------------------------------------------------------------------------------------------
@@ -406,7 +406,7 @@ def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
 
 def test_rendering_is_loaded_only_when_it_is_used():
     code = (
-        "import sys, laticauda.cli.view, laticauda.cli.swim; sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
+        "import sys, laticauda.cli.trial, laticauda.cli.runs; sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -32,7 +32,7 @@ SLICE = textwrap.dedent(
             np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
         assert there.status == here.status
     from laticauda.fluid.gridded import Gridded
-    from laticauda.fluid.grids import to_dataset
+    from laticauda.fluid.gridded import to_dataset
     lake = to_dataset(lc.load_current("vortex"), x=[-5.0, 5.0], y=[-5.0, 5.0])
     try:
         lc.swim_many(robot, gaits[:1], 0.1, environments=[replace(calm, current=Gridded(source=lake))], device="cuda")

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import printed_equations as eq
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 from printed_equations import Chain, Options
 from scipy.integrate import solve_ivp

@@ -6,8 +6,7 @@ import numpy as np
 import printed_equations as equations
 import pytest
 from chains import kernels, oracle
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.linalg import eigh
 
 import laticauda as lc

@@ -9,7 +9,7 @@ import pytest
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.fluid.waves import Sea, Waves
-from laticauda.hydrodynamics.coefficients import immersion_factor
+from laticauda.hydrodynamics import immersion_factor
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Section, load_robot

@@ -13,8 +13,7 @@ from chains import (
     random_water,
     recursion,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.planar import rows

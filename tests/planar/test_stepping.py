@@ -4,8 +4,7 @@ import numpy as np
 import printed_equations as equations
 import pytest
 from chains import kernels, oracle, random_robot, random_state, random_water, recursion
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numba.core.runtime import rtsys
 from scipy.integrate import solve_ivp
 

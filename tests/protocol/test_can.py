@@ -5,8 +5,7 @@ import sys
 
 import cantools
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mamba_dbc import FILE, dbc_text
 
 from laticauda.protocol import (
@@ -173,3 +172,12 @@ def test_another_process_reads_frames_with_the_file_and_cantools_only():
         "41.5",
         "False",
     ]
+
+
+def test_by_the_file_a_sensor_without_a_number_says_so_and_periodic_messages_have_their_period():
+    identifier, data = encode(Loads(node=3, force=None, torque=1.0))
+    theirs = DATABASE.get_message_by_frame_id(identifier)
+    assert str(theirs.decode(data)["ForceUp"]) == "not available"
+    assert theirs.cycle_time == 50
+    assert DATABASE.get_message_by_name("Sync").cycle_time == 10
+    assert not DATABASE.get_message_by_name("EmergencyStop").cycle_time

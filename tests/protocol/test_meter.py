@@ -1,6 +1,5 @@
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.protocol import MeterReading, ProtocolError, meter
 from laticauda.protocol.meter import LineReader, decode_displayed, displayed_text

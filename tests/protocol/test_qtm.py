@@ -3,8 +3,7 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from qtm_rt import QRTPacket
 
 from laticauda.protocol import BodyPose, MocapFrame, ProtocolError

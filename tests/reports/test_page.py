@@ -3,8 +3,7 @@ from html.parser import HTMLParser
 import pytest
 from jinja2 import ChoiceLoader, DictLoader, UndefinedError
 
-from laticauda.reports.chapter import Chapter, templates, write_chapter
-from laticauda.reports.texts import form_of, in_digits, share, shown, span
+from laticauda.reports.chapter import Chapter, form_of, in_digits, share, shown, span, templates, write_chapter
 
 NASTY = '<script>alert("1 & 2")</script>'
 VOID = {"meta", "img", "br", "wbr"}

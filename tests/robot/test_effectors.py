@@ -2,8 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.robot import CaudalFin, Joint, PectoralFin, Tether, Thruster, load_robot
 from laticauda.robot.effectors import hinge_rule

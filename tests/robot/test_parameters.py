@@ -3,8 +3,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from robot.strategies import names, waters
 
 from laticauda.errors import RobotFileError, StorageFailed

@@ -1,17 +1,17 @@
 """What steers and pushes in three dimensions: starts, currents, thrusters, dive planes, envelopes of pitch waves."""
 
 from dataclasses import replace
+from functools import cache
 from math import cos, radians, sin
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.angles import from_quaternion
 from laticauda.gaits import Generator
-from laticauda.gaits.envelopes import EelLike
+from laticauda.gaits.gait import EelLike
 from laticauda.interfaces import ORIENTATION, Command, Start
 from laticauda.kinematics import turn
 from laticauda.robot import PectoralFin, Thruster
@@ -22,8 +22,12 @@ WATER = lc.load_water("paper-lateral")
 NEUTRAL = replace(WATER, density=ROBOT.mass / ROBOT.volume)
 STRAIGHT = lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 HELD = Command(gait=STRAIGHT)
-BODY = plant(ROBOT, NEUTRAL, model="spatial")
 MIDDLE = ROBOT.n_links // 2
+
+
+@cache
+def neutral():
+    return plant(ROBOT, NEUTRAL, model="spatial")
 
 
 def moved(robot=ROBOT, water=NEUTRAL, command=HELD, start=Start(), duration=0.2, **model):  # noqa: B008
@@ -41,14 +45,15 @@ def moved(robot=ROBOT, water=NEUTRAL, command=HELD, start=Start(), duration=0.2,
 )
 def test_a_robot_begins_where_its_start_says(place, depth, heading, pitch, roll):
     start = Start(center_of_mass=place, depth=depth, heading=heading, pitch=pitch, roll=roll, velocity=0.1)
-    seen = BODY.observe(BODY.init(start, HELD))
+    body = neutral()
+    seen = body.observe(body.init(start, HELD))
     axes = turn("yaw", heading) @ turn("pitch", pitch) @ turn("roll", roll)
-    ballast = BODY.settings.ballast_depth * axes[:, 2]
+    ballast = body.settings.ballast_depth * axes[:, 2]
     np.testing.assert_allclose(seen.center_of_mass + np.array((0, 0, ballast[2])), (*place, -depth), atol=1e-9)
     np.testing.assert_allclose(seen.center_of_mass_velocity, 0.1 * axes[:, 0], atol=1e-9)
     assert seen.pitch == pytest.approx(pitch, abs=1e-9)
     assert np.cos(seen.heading - heading) == pytest.approx(1.0)
-    log = BODY.march(BODY.init(start, HELD), HELD, 1e-6, 1e-6)[1]
+    log = body.march(body.init(start, HELD), HELD, 1e-6, 1e-6)[1]
     np.testing.assert_allclose(from_quaternion(*(log.signals[name][0] for name in ORIENTATION)), axes, atol=1e-9)
 
 
@@ -162,7 +167,7 @@ def test_a_dive_plane_lifts_as_the_same_plate_upright_pushes_aside():
 def test_an_envelope_spreads_a_pitch_wave_as_it_does_a_yaw_wave():
     wave = lc.Wave(amplitude=0.3, frequency=2.0, phase_shift=0.6, envelope=EelLike())
     gait = replace(STRAIGHT, pitch=wave)
-    log = BODY.march(BODY.init(Start(), Command(gait=gait)), Command(gait=gait), 3.0, 0.5)[1]
+    log = neutral().march(neutral().init(Start(), Command(gait=gait)), Command(gait=gait), 3.0, 0.5)[1]
     turned = [joint.axis == "pitch" for joint in ROBOT.joints]
     yaw = lc.eel_like(amplitude=0.3, frequency=2.0, phase_shift=0.6)
     alone = Generator(n_links=sum(turned) + 1)

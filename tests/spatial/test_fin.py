@@ -7,8 +7,7 @@ import campaign_scripts
 import numpy as np
 import pytest
 from chains import kernels, random_robot, random_water
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.planar import rows

@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.fluid.laws import CoulombFriction
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.mujoco_water.ground import SINK
-from laticauda.pictures.lines import path_dashes
+from laticauda.pictures.replay import path_dashes
 from laticauda.simulate import plant, resume, run
 from laticauda.spatial.scene import Shore
 

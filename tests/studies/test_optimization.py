@@ -1,13 +1,15 @@
+import csv
 from dataclasses import replace
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import laticauda as lc
-from laticauda.studies import Optimization
-from laticauda.studies import optimization as module
-from laticauda.studies.trials import QUANTITIES
+from laticauda.studies import Front, Optimization, optimization as module, unbeaten
+from laticauda.studies.sweep import QUANTITIES
 
 SOUGHT = Optimization(
     scenario=lc.scenario("mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
@@ -26,7 +28,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     )
     swum = []
     monkeypatch.setattr(
-        module.trials, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
+        module.sweep, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
     )
     found = module.evaluate(sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]]))
     assert found["violation"] == pytest.approx([0.0, 31 / 30 - 1, radians(24) * 3.0 - 1.0])
@@ -36,7 +38,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
 
 def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(
-        module.trials, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
+        module.sweep, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
     )
     sought = replace(SOUGHT, least_velocity=0.2)
     found = module.evaluate(sought, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))
@@ -67,3 +69,64 @@ def test_bad_input_is_refused(changes: dict[str, object], message: str):
     given = {"scenario": SOUGHT.scenario, "bounds": SOUGHT.bounds}
     with pytest.raises(ValueError, match=message):
         Optimization(**{**given, **changes})  # type: ignore[arg-type]
+
+
+def a_front(n: int) -> Front:
+    """A front whose points crowd at the slow end."""
+    power = np.linspace(0.0, 1.0, n) ** 3
+    figures = {name: np.full(n, 0.5) for name in QUANTITIES if name != "succeeded"}
+    figures |= {"forward_velocity": power**0.5, "mechanical_power": 10.0 * power}
+    values = np.stack((np.linspace(0.2, 0.9, n), np.linspace(0.2, 0.5, n), np.full(n, 9.0)), axis=1)
+    return Front(optimization=SOUGHT, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1)
+
+
+@pytest.mark.parametrize("levels", [4, 1000])
+def test_a_point_is_kept_exactly_if_no_other_one_beats_it(levels: int):
+    losses = np.random.default_rng(3).integers(0, levels, (60, 2)).astype(float)
+    kept = unbeaten(losses)
+    for i, point in enumerate(losses):
+        beats = np.all(losses <= point, axis=1) & np.any(losses < point, axis=1)
+        first = np.flatnonzero(np.all(losses == point, axis=1))[0] == i
+        assert kept[i] == (not beats.any() and first)
+
+
+def test_of_one_objective_the_first_best_point_is_kept():
+    assert unbeaten(np.array([[3.0], [1.0], [1.0]])).tolist() == [False, True, False]
+    assert unbeaten(np.empty((0, 2))).size == 0
+
+
+def test_chosen_points_lie_evenly_along_the_front_with_its_ends():
+    front = a_front(400)
+    chosen = front.spread(6)
+    assert (chosen[0], chosen[-1], len(chosen)) == (0, 399, 6)
+    steps = np.hypot(
+        np.diff(front.figures["forward_velocity"][chosen]), np.diff(front.figures["mechanical_power"][chosen]) / 10
+    )
+    assert steps == pytest.approx(np.full(5, steps.mean()), rel=0.05)
+    assert a_front(3).spread(6) == [0, 1, 2]
+
+
+def test_a_point_is_a_robot_and_a_gait():
+    scenario = a_front(8).scenario(7)
+    robot, gait = scenario.robot, scenario.gait
+    assert (robot.n_links, robot.caudal_fin.length, gait.amplitude) == (9, 0.5, 0.9)
+
+
+def test_files_have_names_units_and_every_point(tmp_path: Path):
+    front = a_front(5)
+    front.write_csv(tmp_path / "front.csv")
+    front.write_netcdf(tmp_path / "front.nc")
+    with (tmp_path / "front.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0][:4] == [
+        "gait.amplitude [rad]",
+        "robot.caudal_fin.length [m]",
+        "robot.n_links [-]",
+        "forward_velocity [m/s]",
+    ]
+    assert [float(row[0]) for row in rows[1:]] == front.values[:, 0].tolist()
+    with xarray.open_dataset(tmp_path / "front.nc") as found:
+        assert np.array_equal(found["robot.caudal_fin.length"], front.values[:, 1])
+        assert np.array_equal(found["mechanical_power"], front.figures["mechanical_power"])
+        assert (found["gait.amplitude"].units, found.n_trials, found.seed) == ("rad", 100, 1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["front.csv", "front.nc"]

@@ -12,7 +12,7 @@ from studies.sweeps import AMPLITUDE, DRAG, GAIT, small
 
 import laticauda as lc
 from laticauda.errors import StorageFailed
-from laticauda.studies import Grid, Rows, Samples, best, count_failed, open_sweep, run_sweep, store, trials
+from laticauda.studies import Grid, Rows, Samples, best, count_failed, open_sweep, run_sweep, store
 
 
 def bits(folder: Path) -> dict[str, bytes]:
@@ -96,7 +96,7 @@ def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path):
 
 def test_a_finished_sweep_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     run_sweep(small(), tmp_path / "a")
-    monkeypatch.setattr(trials, "collected", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr("laticauda.studies.sweep.collected", lambda *_, **__: pytest.fail("it ran"))
     assert run_sweep(small(), tmp_path / "a").n_finished == 12
 
 

@@ -3,15 +3,14 @@ from math import pi, radians
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.spatial import KDTree
 
 import laticauda as lc
 from laticauda.gaits import Wave
 from laticauda.robot import Robot
 from laticauda.robot.parameters import adjusted
-from laticauda.studies.trials import swim_points
+from laticauda.studies.sweep import swim_points
 from laticauda.trial import feasibility
 
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)

@@ -3,8 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import link_coefficients

@@ -2,8 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from laticauda.paper import efficiency_trials, path_following_trials
 from laticauda.trial.null_models import MEAN_STRIDE, PREDICTORS, Row, predict

@@ -59,7 +59,7 @@ def test_one_trial_is_not_enough_to_compare(make_trial):
 
 
 def test_what_is_no_sequence_of_trials_is_not_compared():
-    with pytest.raises(ValueError, match="`trials` must be of class Sequence, got list_iterator"):
+    with pytest.raises(ValueError, match=r"`trials` must be of class Sequence\[Trial\], got list_iterator"):
         compare(iter([]))
 
 

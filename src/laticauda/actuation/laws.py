@@ -11,13 +11,11 @@ so conditions look at the real part only, and choices come from `where`.
 
 from typing import ClassVar, NamedTuple
 
-import numpy as np
-
 from laticauda.errors import one_of
 from laticauda.extensions import Extensible
 from laticauda.formulas import Formula, Law
 from laticauda.quantities import value
-from laticauda.scalars import where
+from laticauda.scalars import tanh, where
 
 # Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
 SLIDING_RATE = 0.05
@@ -239,7 +237,7 @@ def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[fl
     limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
     duty = where(saturated, limit, demand)
     stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
-    sliding, dry = np.tanh(rate / SLIDING_RATE), drive.friction_torque
+    sliding, dry = tanh(rate / SLIDING_RATE), drive.friction_torque
     torque = stall_torque * (duty - rate / drive.no_load_speed) - viscous_friction * rate - dry * sliding
     damping = stall_torque / drive.no_load_speed + viscous_friction + dry / SLIDING_RATE * (1.0 - sliding * sliding)
     return torque, stiffness, damping, duty
@@ -275,7 +273,7 @@ def motor_power(
         Power [W], not negative. Not below what the motor delivers, u phi', as long as V I_stall >= u_stall phi'_0: a
         motor and gear of constants that do not create energy.
     """
-    sliding = np.tanh(rate / SLIDING_RATE)
+    sliding = tanh(rate / SLIDING_RATE)
     current = (torque + viscous_friction * rate + friction_torque * sliding) / stall_torque
     share = (current + rate / no_load_speed) * current
     return stall_power * where(share.real > 0.0, share, 0.0 * share)

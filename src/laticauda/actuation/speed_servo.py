@@ -6,7 +6,7 @@ import numpy as np
 
 from laticauda.actuation.laws import SLIDING_RATE, Drive, Servo
 from laticauda.quantities import quantity, value
-from laticauda.scalars import where
+from laticauda.scalars import tanh, where
 
 TINY = 1e-30  # [(N m)^2], of a motor that is switched off and has nothing to do
 BEYOND = 1.0 + 2.0**0.5
@@ -99,7 +99,7 @@ def speed_servo(
     root = np.sqrt(asked * asked + stall_torque * stall_torque + TINY)
     duty, share = asked / root, stall_torque / root
     slope = share * speed_gain * (1.0 + BEYOND * (1.0 - share**16))
-    sliding = np.tanh(rate / SLIDING_RATE)
+    sliding = tanh(rate / SLIDING_RATE)
     torque = stall_torque * duty - back * rate - viscous_friction * rate - friction_torque * sliding
     stiffness = slope * steepness
     grip = viscous_friction + friction_torque / SLIDING_RATE * (1.0 - sliding * sliding)

@@ -1,7 +1,7 @@
 """The command `laticauda`: text in, one call, text out.
 
-Ctrl-C ends it with one line, in the midst of imports too, where Python and libraries would say much more; a second one
-ends it at once. Only this is imported before the program listens for it.
+Ctrl-C ends it with one line, in the midst of imports too, and where a library in C prints what it cannot hand on, all
+of which would say much more; a second one ends it at once. Only this is imported before the program listens for it.
 """
 
 import os
@@ -23,10 +23,11 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit status.
     """
-    usual, before = signal.default_int_handler, sys.unraisablehook
+    usual, printing, before = signal.default_int_handler, sys.excepthook, sys.unraisablehook
     is_ours = signal.getsignal(signal.SIGINT) is usual and threading.current_thread() is threading.main_thread()
     if is_ours:
         signal.signal(signal.SIGINT, _stop)
+        sys.excepthook = lambda kind, e, at: os._exit(_say()) if kind is KeyboardInterrupt else printing(kind, e, at)
         sys.unraisablehook = lambda lost: os._exit(_say()) if lost.exc_type is KeyboardInterrupt else before(lost)
     try:
         from laticauda.cli import app
@@ -37,7 +38,7 @@ def main(args: Sequence[str] | None = None) -> int:
     finally:
         if is_ours:
             signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual)
-            sys.unraisablehook = before
+            sys.excepthook, sys.unraisablehook = printing, before
 
 
 def _stop(number: int, frame: FrameType | None) -> None:

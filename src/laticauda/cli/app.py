@@ -8,6 +8,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, make_dataclass
 from importlib import import_module
+from io import TextIOWrapper
+from pathlib import Path
 from typing import Annotated, Any, Union
 
 import tyro
@@ -15,6 +17,7 @@ import tyro
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, spelled, wrapped
 from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed
+from laticauda.files import read_toml
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
@@ -22,39 +25,9 @@ DESCRIPTION = (
     "`laticauda --version` prints the version."
 )
 
-# A command's words, where its class is (beside this module; with a dot, beside this package), and what the list of
-# commands says about it. Only the module of the command that runs is imported.
-COMMANDS: dict[str, tuple[str, str]] = {
-    "swim": ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
-    "follow": ("follow:Follow", "Let a robot follow a path, and print how soon and how well."),
-    "reproduce": (
-        ".paper.command:Reproduce",
-        "Repeat the paper's experiments, and write figures, tables and a report.",
-    ),
-    "sweep": ("studies:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
-    "optimize": ("studies:Optimize", "Search for the best gait, fin or number of links."),
-    "identify": ("identify:Identify", "Identify parameters with their uncertainty from measured trials."),
-    "design-experiment": ("design:DesignExperiment", "Find the next trials that would tell the most."),
-    "view": ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
-    "export mjcf": ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
-    "export urdf": ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
-    "export fmu": ("export:Fmu", "Write a robot in water to an FMU, for Simulink, OpenModelica and others."),
-    "export c": ("export:C", "Write a robot in water to a library in C, for robots' own computers and others."),
-    "export web": ("export:Web", "Write a page on which robots swim in a browser, without a server."),
-    "lab": ("lab:LabCommand", "Run the virtual tank: the robot on a CAN bus, cameras and a power meter."),
-    "operate": ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
-    "replay": ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
-    "cockpit": ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
-    "serve": ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
-    "robots": ("robots:Robots", "List the robots, waters, grounds, currents and parameters there are, or show one."),
-    "trial show": ("trial:Show", "Print the figures of a stored trial."),
-    "trial compare": ("trial:Compare", "Print the figures of stored trials side by side."),
-    "trial convert": ("trial:Convert", "Write a stored trial as MCAP, Parquet, .mat, netCDF or CSV."),
-}
-GROUPS = {
-    "export": "Write robots to files for other programs.",
-    "trial": "Show, compare and convert stored trials.",
-}
+COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
+"""A command's words, where its class is, and what the list of commands says about it."""
+GROUPS = {"export": "Write robots to files for other programs.", "trial": "Show, compare and convert stored trials."}
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -67,6 +40,9 @@ def main(args: Sequence[str] | None = None) -> int:
         The exit status.
     """
     words = sys.argv[1:] if args is None else list(args)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # names of files need not be UTF-8, and messages say them
+            stream.reconfigure(errors="backslashreplace")
     command: Command | None = None
     try:
         if words == ["--version"]:

@@ -1,17 +1,24 @@
-"""What all commands share: files are refused before the work and not after it, and one outcome is told or is JSON."""
+"""What all commands share: files are refused before the work and not after it, and one outcome is told or is JSON.
 
-import json
+How far a command is, bars on standard error say, if that is a terminal.
+"""
+
+import math
 import os
+import signal
 import sys
+import threading
+import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 from laticauda.access import LOCAL as LOCAL
-from laticauda.cli.flags import Written, is_declared, read
+from laticauda.cli.flags import Written, marks_of, parts_of, read
 from laticauda.errors import BadArgument
+from laticauda.files import to_json
 from laticauda.quantities import option, value
 
 
@@ -58,7 +65,7 @@ class Command:
             return 0
         if done.problem:
             print(done.problem, file=sys.stderr)
-        print(json.dumps(done.facts, indent=2, allow_nan=False) if self.json else done.text)
+        print(to_json(done.facts) if self.json else done.text)
         return 0 if done.succeeded else 1
 
     def announce(self, facts: Mapping[str, Any], text: str) -> None:
@@ -68,21 +75,25 @@ class Command:
             facts: For programs.
             text: For people.
         """
-        print(json.dumps(facts) if self.json else text, flush=True)
+        print(to_json(facts, None) if self.json else text, flush=True)
 
 
 @contextmanager
 def until_stopped(close: Callable[[], None]) -> Generator[None]:
-    """Serve until Ctrl-C, which is no failure.
+    """Serve until Ctrl-C or SIGTERM, which are no failures.
 
     Args:
         close: What is to be done in the end, however that comes.
     """
+    is_main = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler) if is_main else None
     try:
         yield
     except KeyboardInterrupt:
         print("stopped.", file=sys.stderr)
     finally:
+        if is_main:
+            signal.signal(signal.SIGTERM, before)
         close()
 
 
@@ -92,14 +103,10 @@ def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
     Args:
         command: The command, or a part of it.
     """
-    hints = get_type_hints(command.__class__, include_extras=True)
-    for field in fields(command):
-        one = getattr(command, field.name)
-        if is_declared(one):
-            yield from files_of(one)
-        for written in getattr(hints[field.name], "__metadata__", ()):
-            if isinstance(written, Written):
-                yield field.name, one, written.endings
+    for part in parts_of(command):
+        for name, marks in marks_of(part.__class__).items():
+            for written in (mark for mark in marks if isinstance(mark, Written)):
+                yield name, getattr(part, name), written.endings
 
 
 def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
@@ -129,3 +136,88 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         from laticauda.pictures.render import check_video
 
         check_video()
+
+
+# ---- how far a command is -------------------------------------------------------------------------------------------
+
+PATIENCE = 2.0
+"""Nobody wants a bar for less [s]."""
+SECONDS = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
+TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
+SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
+
+
+def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0) -> Callable[..., None]:
+    """What work calls now and then with how much is done; also with `total` and `what`, a bar for each `what`.
+
+    Args:
+        form: Of the bar, as tqdm has it.
+        total: How much there is to do.
+        what: What the bar says before that.
+        patience: How long nothing is shown [s].
+    """
+    began = time.monotonic()
+    bars: dict[str, Any] = {}
+
+    def show(done: float, total: float = total, what: str = what) -> None:
+        if what not in bars:
+            if not sys.stderr.isatty() or time.monotonic() - began < patience:
+                return
+            from tqdm import tqdm
+
+            bars[what] = tqdm(total=total, initial=done, desc=what, bar_format=form, leave=False, file=sys.stderr)
+        bars[what].n = done
+        bars[what].refresh()
+        if done >= total:
+            bars[what].close()
+
+    return show
+
+
+def run_bar(duration: float, what: str = "swam") -> Callable[..., None]:
+    """What a run calls now and then with the time it has reached [s]; short ones show nothing.
+
+    Args:
+        duration: Simulated time of the whole run [s].
+        what: What the bar says before the time that has been reached.
+    """
+    return progress(SECONDS, duration, what, patience=PATIENCE)
+
+
+def film_bar(duration: float) -> Callable[[float], None]:
+    """The same of a film that becomes longer; where there is no terminal, a line for every tenth.
+
+    Args:
+        duration: Time of the trial that is filmed [s].
+    """
+    bar, began, tenths = run_bar(duration, "filmed"), time.monotonic(), [0]
+
+    def show(done: float) -> None:
+        bar(done)
+        tenth = math.floor(10.0 * done / duration + 1e-9) if duration else 10
+        if tenth > tenths[0] and not sys.stderr.isatty():
+            tenths[0] = tenth
+            if time.monotonic() - began > PATIENCE:
+                print(f"laticauda: {10 * tenth} % filmed, {done:.1f} of {duration:.1f} s", file=sys.stderr, flush=True)
+
+    return show
+
+
+@contextmanager
+def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
+    """The progress of many trials that are stored as they are done: Ctrl-C says how many, and how to go on.
+
+    Args:
+        folder: Where they are stored.
+    """
+    bar, reached = progress(TRIALS), [0, 0]
+
+    def show(done: int, total: int) -> None:
+        reached[:] = done, total
+        bar(done, total)
+
+    try:
+        yield show
+    except KeyboardInterrupt:
+        stored = f"{reached[0]} of {reached[1]} trials are stored in {folder}"
+        raise KeyboardInterrupt(f"stopped; {stored}. Run the same command again to go on.") from None

@@ -7,10 +7,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from laticauda import figures, gaits, packaging, scenarios
-from laticauda.cli.command import Command, Outcome
+from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, progress
 from laticauda.cli.flags import File, Picture, Place, Words
-from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.identify import tasks
@@ -47,17 +48,27 @@ class Candidates:
     """Trials that could be done: every combination, and straight ones."""
 
     gait: Literal["lateral-undulation", "eel-like", "both"] = option("Which gaits", default="lateral-undulation")
-    amplitudes: tuple[float, ...] = quantity("rad", "alpha of the candidates", ge=0.0, default=_degrees(20, 30, 40))
+    amplitudes: tuple[float, ...] = quantity(
+        "rad", "alpha of candidates", ge=0.0, le=math.pi, default=_degrees(20, 30, 40)
+    )
     frequencies: tuple[float, ...] = quantity("rad/s", "omega of candidates", ge=0.0, default=_degrees(70, 110, 150))
-    phase_shifts: tuple[float, ...] = quantity("rad", "delta of the candidates", default=_degrees(30, 50))
+    phase_shifts: tuple[float, ...] = quantity(
+        "rad", "delta of candidates", ge=-math.pi, le=math.pi, default=_degrees(30, 50)
+    )
     sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
-    tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot, for its loads", default=(0.1, 0.4))
+    tow: tuple[float, ...] = quantity("m/s", "Of tows of the straight robot, for its loads", gt=0.0, default=(0.1, 0.4))
     tow_angles: tuple[float, ...] = quantity("rad", "Of the robot to its way; 0: along", default=_degrees(0, 15))
-    coast_down: tuple[float, ...] = quantity("m/s", "Speeds from which the straight robot is let go", default=(0.4,))
+    coast_down: tuple[float, ...] = quantity("m/s", "At which it is let go", gt=0.0, le=100.0, default=(0.4,))
     no_tow: bool = option("Neither tow nor coast-down", default=False)
     no_swims: bool = option("Nothing that swims", default=False)
-    duration: float = quantity("s", "Of a swim", gt=0.0, default=30.0)
+    duration: float = quantity("s", "Of a swim", gt=0.0, le=1e5, default=30.0)
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
+
+    def __post_init__(self) -> None:
+        """Refuse no candidates."""
+        for name in ("amplitudes", "frequencies", "phase_shifts", "tow", "tow_angles", "coast_down", "sensors"):
+            if not getattr(self, name):
+                raise BadArgument(name, "must be one or more, got none")
 
 
 @value
@@ -190,8 +201,8 @@ def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _by_name(names: Iterable[str], found: Iterable[float]) -> dict[str, float | None]:
-    return {name: float(one) if math.isfinite(one) else None for name, one in zip(names, found, strict=True)}
+def _by_name(names: Sequence[str], found: np.ndarray) -> dict[str, float]:
+    return dict(zip(names, found.tolist(), strict=True))
 
 
 def _listed(key: str, names: Sequence[str], judged: Iterable[Judged]) -> list[dict[str, Any]]:
@@ -256,8 +267,7 @@ def _shown(sigma: float) -> str:
 
 def _draw(found: Design, path: str) -> None:
     from laticauda.figures import style
-    from laticauda.figures.identification import shrinking
-    from laticauda.reports.identify_figures import short_names
+    from laticauda.reports.identify_figures import short_names, shrinking
 
     figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 import laticauda as lc
 from laticauda.cli import command, flags
-from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
+from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
@@ -75,13 +75,6 @@ class Compiled(OfScenario):
     output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
 
-    @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed; see `OfScenario.read`."""
-        names = Names.read(words, prog)
-        scenario, _ = names.scenario([])  # the file that comes first is the output
-        return cls.about(scenario, words, prog, choice=names)
-
     def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
         """Write the file.
 
@@ -144,7 +137,7 @@ class C(Compiled):
 
     def run(self) -> command.Outcome:
         """Write the files."""
-        from laticauda.cosim.native.library import export_c
+        from laticauda.cosim.native.tables import export_c
 
         return self.written(export_c, "platform", "static")
 

@@ -12,9 +12,9 @@ import sys
 import textwrap
 import types
 import typing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
@@ -104,13 +104,19 @@ def _words(
     )
 
 
-def _texts(nargs: int | Literal["*"], metavar: str) -> Any:
-    """A flag that takes texts as they are: one, or several."""
-    return _words(nargs, metavar, _first if nargs == 1 else tuple)
-
-
 def _first(words: list[str]) -> str:
     return words[0]
+
+
+def _place(metavar: str, nargs: int | Literal["*"] = 1) -> Any:
+    """A flag that takes the name of a file or a folder, or several."""
+
+    def read(words: list[str]) -> Any:
+        if "" in words:
+            raise ValueError("must be the name of a file or a folder, got an empty text")
+        return words[0] if nargs == 1 else tuple(words)
+
+    return _words(nargs, metavar, read)
 
 
 def _shown(value: Any) -> list[str]:
@@ -119,21 +125,21 @@ def _shown(value: Any) -> list[str]:
     return ["none" if value is None else str(value)]
 
 
-File = Annotated[str | None, _texts(1, "FILE")]
+File = Annotated[str | None, _place("FILE")]
 NetCdf = Annotated[File, Written((".nc",))]
 Picture = Annotated[File, Written((".png", ".pdf"))]
 Mp4 = Annotated[File, Written((".mp4",))]
 Toml = Annotated[File, Written((".toml",))]
-Folder = Annotated[str, _texts(1, "DIR")]
-Place = Annotated[str | None, _texts(1, "DIR")]
-Words = Annotated[tuple[str, ...], _texts("*", "NAME=VALUES ...")]
-Files = Annotated[tuple[str, ...], _texts("*", "FILE ...")]
+Folder = Annotated[str, _place("DIR")]
+Place = Annotated[str | None, _place("DIR")]
+Words = Annotated[tuple[str, ...], _words("*", "NAME=VALUES ...", tuple)]
+Files = Annotated[tuple[str, ...], _place("FILE ...", "*")]
 Listed = Annotated[tuple[str, ...], _words("*", "NAME[,NAME...]", lambda words: tuple(",".join(words).split(",")))]
-Input = Annotated[str, tyro.conf.Positional, _texts(1, "FILE")]
-Output = Annotated[str, tyro.conf.Positional, _texts(1, "OUTPUT")]
-Preset = Annotated[str | None, tyro.conf.Positional, _texts(1, "NAME|PATH")]
-ScenarioFile = Annotated[str | None, tyro.conf.Positional, _texts(1, "FILE")]
-Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _texts("*", "FILES ...")]
+Input = Annotated[str, tyro.conf.Positional, _place("FILE")]
+Output = Annotated[str, tyro.conf.Positional, _place("OUTPUT")]
+Preset = Annotated[str | None, tyro.conf.Positional, _words(1, "NAME|PATH", _first)]
+ScenarioFile = Annotated[str | None, tyro.conf.Positional, _words(1, "FILE", _first)]
+Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _place("FILES ...", "*")]
 
 
 def read(
@@ -152,6 +158,9 @@ def read(
         BadFlag: If a flag cannot be used.
         SystemExit: If the help was asked for, or a flag is unknown.
     """
+    for before, word in zip((prog, *words), words, strict=False):
+        if "\0" in word:  # no file has such a name, and no shell hands one on
+            raise BadFlag(f"{before} must have no null character behind it, got {word!r}.")
     found: Any = tyro.cli(
         command,
         prog=prog,
@@ -173,13 +182,30 @@ def wrapped(text: str) -> str:
     return "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in text.split("\n\n"))
 
 
-def options_of(command: object) -> dict[str, Any]:
-    """The options of a command by the name of their field, those of its parts too."""
-    found: dict[str, Any] = {}
+def parts_of(command: object) -> Iterator[Any]:
+    """A command, and all values in it whose fields are options too.
+
+    Args:
+        command: Any.
+    """
+    yield command
     for field in fields(cast(Any, command)):
         one = getattr(command, field.name)
-        found |= options_of(one) if is_declared(one) else {field.name: one}
-    return found
+        if is_declared(one):
+            yield from parts_of(one)
+
+
+def options_of(command: object) -> dict[str, Any]:
+    """The options of a command by the name of their field, those of its parts too."""
+    held = ((field.name, getattr(part, field.name)) for part in parts_of(command) for field in fields(part))
+    return {name: one for name, one in held if not is_declared(one)}
+
+
+@cache
+def marks_of(kind: type) -> Mapping[str, tuple[Any, ...]]:
+    """What marks the fields of a command or of a part of it: as `Written`, or that it comes without a flag."""
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
 
 
 def spelled(name: str, command: object) -> str:
@@ -192,28 +218,18 @@ def spelled(name: str, command: object) -> str:
     bare = CALLED.get(name, name).split("[")[0]
     if command is None:  # a name among the flags that are read first
         return flag(bare)
-    if bare not in options_of(command):
-        return flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
-    declared = next((found[bare] for found in map(quantities_of, _kinds_in(command)) if bare in found), None)
-    if bare in ("file", "files", "name") or (bare == "output" and is_positional(command)):
-        return bare.upper()
-    return flag(SPELLED.get(bare, bare) + (DEGREES.get(declared.unit, "") if declared is not None else ""))
-
-
-def is_positional(command: object) -> bool:
-    """Whether the output of a command comes without a flag."""
-    hint = typing.get_type_hints(type(command), include_extras=True).get("output")
-    return tyro.conf.Positional in getattr(hint, "__metadata__", ())
+    for kind in map(type, parts_of(command)):
+        if bare in hints_of(kind) and bare in options_of(command):
+            if tyro.conf.Positional in marks_of(kind)[bare]:
+                return bare.upper()
+            declared = quantities_of(kind).get(bare)
+            return flag(SPELLED.get(bare, bare) + ("" if declared is None else DEGREES.get(declared.unit, "")))
+    return flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
 
 
 def is_declared(thing: object) -> bool:
     """Whether this is a value whose fields are declared."""
     return is_dataclass(thing) and not isinstance(thing, type) and any(texts_of(type(thing)).values())
-
-
-def _kinds_in(command: Any) -> list[type]:
-    parts = [getattr(command, field.name) for field in fields(command)]
-    return [type(command), *(kind for part in parts if is_declared(part) for kind in _kinds_in(part))]
 
 
 _registry = ConstructorRegistry()
@@ -259,7 +275,8 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
                 made = _with_wave(made, wave, given)
             return made
         except BadArgument as error:
-            raise BadFlag(f"{_named(error.name, of_flag)} {error.rule}.") from None
+            typed = (flag(option) for option, field in of_flag.items() if field == error.name.split("[")[0])
+            raise BadFlag(f"{next(typed, f'`{error.name}`')} {error.rule}.") from None
 
     return StructConstructorSpec(instantiate=make, fields=tuple(specs))
 
@@ -300,10 +317,6 @@ def _default_of(field: Any) -> Any:
     return field.default if field.default_factory is MISSING else field.default_factory()
 
 
-def _named(name: str, of_flag: dict[str, str]) -> str:
-    return next((flag(option) for option, field in of_flag.items() if field == name.split("[")[0]), f"`{name}`")
-
-
 def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, usual: Any) -> Any:
     """What tyro is told about a field; None: it is no flag."""
     if get_origin(annotated) is Annotated:
@@ -321,7 +334,7 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
     if len(inner) == 1 and get_origin(inner[0]) is Literal:
         choices = get_args(inner[0])
         return Annotated[Any, _words(1, f"{{{','.join(choices)}}}", _first, choices=choices)]
-    return Annotated[Any, _texts(1, "NAME|PATH" if name in PRESETS else "TEXT")] if inner == [str] else None
+    return Annotated[Any, _words(1, "NAME|PATH" if name in PRESETS else "TEXT", _first)] if inner == [str] else None
 
 
 def _is_union(hint: Any) -> bool:
@@ -376,10 +389,9 @@ def _reader(declared: Quantity, is_whole: bool, several: bool, option: str) -> C
         except ValueError:
             kind = "a whole number" if is_whole else "a number"
             raise BadFlag(f"{option} must be {kind}, got {word!r}.") from None
+        least = math.ceil(max(rule.least, -(2**53))) if is_whole else 0
         try:
-            checked = (
-                whole(option, found, math.ceil(max(rule.least, -(2**53)))) if is_whole else rule.checked(option, found)
-            )
+            checked = whole(option, found, least) if is_whole else rule.checked(option, found)
         except BadArgument as error:
             raise BadFlag(f"{option} {error.rule}.") from None
         return math.radians(checked) if in_degrees else checked

@@ -7,9 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda.cli.command import Command, Outcome
+from laticauda.cli.command import SHARE, Command, Outcome, progress
 from laticauda.cli.flags import BadFlag, File, Folder, Inputs, Words, flag, options_of, was_typed
-from laticauda.cli.progress import SHARE, progress
 from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
 from laticauda.errors import BadArgument, one_of

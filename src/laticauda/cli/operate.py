@@ -1,4 +1,4 @@
-"""`laticauda operate`: run a trial file or a series file on the robot, virtual or real."""
+"""`laticauda operate`: a trial file or a series file on the robot, virtual or real."""
 
 import math
 import sys
@@ -10,14 +10,14 @@ from typing import Any
 from laticauda import simulate
 from laticauda.cli import command, flags
 from laticauda.files import read_text
-from laticauda.operate import drivers, files, session, settings, terminal
+from laticauda.operate import drivers, session, settings, terminal
 from laticauda.operate.series import run_series
 from laticauda.quantities import option, quantity, value
 
 
 @value
 class Operate(command.Command):
-    """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
+    """Operate the robot: connect, check, calibrate, swim, stop, and keep everything; nothing is ever overwritten.
 
     Space, q or Ctrl-C straighten and stop the robot; the second time, it is the emergency stop. The virtual tank of
     `laticauda lab` is operated like the robot.
@@ -39,11 +39,10 @@ class Operate(command.Command):
 
     def run(self) -> command.Outcome:
         """Operate."""
-        wanted = files.load_operation(self.file)
+        wanted = settings.load_operation(self.file)
         folder = Path(self.output)
-        if isinstance(wanted, files.SeriesFile):
-            done = self._series(wanted, folder)
-            return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
+        if isinstance(wanted, settings.SeriesFile):
+            return self._checked(wanted) if self.check else self._series(wanted, folder)
         summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
         accepted = bool(summary["accepted"])
         problem = "" if accepted else summary["reason"]
@@ -64,13 +63,22 @@ class Operate(command.Command):
                 twin=simulate.plant(operation.body(), operation.pool(), joints="servo"),
             )
 
-    def _series(self, series: Any, folder: Path) -> Any:
+    def _checked(self, series: settings.SeriesFile) -> command.Outcome:
+        """Check what a series is to be run with, each robot and connection once."""
+        different = {(one.robot, one.connection): one for one in reversed(list(map(self._chosen, series.trials)))}
+        found = [self._operate(one, None).summary() for one in reversed(different.values())]
+        succeeded = all(one["accepted"] for one in found)
+        facts = {"name": series.name, "checked": found}
+        return command.Outcome(facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded)
+
+    def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
         series = replace(
             series,
             repeats=series.repeats if self.repeats is None else self.repeats,
             trials=tuple(self._chosen(operation) for operation in series.trials),
         )
-        return run_series(series, folder / series.name, self._operate, place=self._place)
+        done = run_series(series, folder / series.name, self._operate, place=self._place)
+        return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
 
     def _place(self, operation: settings.Operation, repeat: int) -> None:
         """Ask for the robot to be put where the next run starts."""

@@ -1,7 +1,6 @@
 """A trial as text to read, and as JSON: what moved, in what, how, and the figures beside what was measured."""
 
 import dataclasses
-import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -33,7 +32,7 @@ def facts_of(trial: Trial) -> dict[str, Any]:
         "gait_parameters": None if trial.gait is None else dataclasses.asdict(trial.gait),
         "certainty": SEEN if _is_of_textbook(trial) else None,
         "coefficients": {name: value for name, value in environment.items() if name != "name"},
-        "settings": {name: None if one == math.inf else one for name, one in trial.settings.items()},  # no limit
+        "settings": trial.settings,
         "version": trial.version,
     }
     if "cross_track_error" in trial.signals:
@@ -73,8 +72,7 @@ def figure_table(trial: Trial) -> str:
     """Every figure that has a meaning for this run, with the measured value and the difference where there is one."""
     summary = trial.summary()
     measured = _measured(trial)
-    is_measured = trial.settings.get("model") == "measured"
-    names = ("measured", "the paper's") if is_measured else ("simulated", "measured")
+    names = ("measured", "the paper's") if _is_measured(trial) else ("simulated", "measured")
     rows: list[tuple[str, ...]] = [("", names[0], "", names[1], "difference")]
     for figure in FIGURES:
         value: Any = summary[figure.name]
@@ -125,8 +123,13 @@ def _notes(trial: Trial) -> str:
     return _filled(notes)
 
 
+def _is_measured(trial: Trial) -> bool:
+    """Whether it comes from data or from a robot that was operated, and not from a model."""
+    return trial.settings.get("model") in ("measured", "robot")
+
+
 def _is_of_textbook(trial: Trial) -> bool:
-    return trial.settings.get("model") != "measured" and trial.environment.name.startswith(TEXTBOOK)
+    return not _is_measured(trial) and trial.environment.name.startswith(TEXTBOOK)
 
 
 def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]]) -> str:

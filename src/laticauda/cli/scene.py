@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
 import laticauda as lc
-from laticauda import robot, simulate
+from laticauda import codec, robot, simulate
 from laticauda.cli.command import Command
 from laticauda.cli.flags import OBJECTS, BadFlag, File, read, was_typed
 from laticauda.cli.tables import numbers
-from laticauda.codec import BadKey, updated
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.flow import Flow
@@ -184,8 +183,8 @@ def current(words: Sequence[str]) -> Flow:
     try:
         flow = member(Flow, name, "current") if ":" in name else robot.load_current(name)
         pairs = [numbers("current", word, CHANGES) for word in changes]
-        return updated(flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs})
-    except BadKey as bad:
+        return codec.updated(flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs})
+    except codec.BadKey as bad:
         raise BadFlag(f"--current {name}: {BadArgument(bad.key, bad.rule)}") from None
     except BadArgument as error:
         raise BadFlag(f"--current {error.rule}.") from None
@@ -224,20 +223,9 @@ class OfScenario(Command):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """The command that was typed, its names first; see `Command.read`."""
-        return cls.of(Names.read(words, prog), words, prog)
-
-    @classmethod
-    def of(cls, names: Names, words: Sequence[str], prog: str, **parts: Any) -> Self:
-        """The command whose names are known.
-
-        Args:
-            names: Of what its scenario is made.
-            words: What was typed; a file may come first.
-            prog: What the help calls the command.
-            parts: Other fields, as far as they are known.
-        """
-        scenario, origin = names.scenario(words)
-        return cls.about(scenario, words, prog, choice=names, origin=origin, **parts)
+        names = Names.read(words, prog)
+        scenario, origin = names.scenario(words if "file" in cls.__dataclass_fields__ else ())
+        return cls.about(scenario, words, prog, choice=names, origin=origin)
 
     @classmethod
     def about(cls, scenario: Scenario, words: Sequence[str], prog: str, **parts: Any) -> Self:

@@ -11,9 +11,8 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from laticauda.cli import vary
-from laticauda.cli.command import Outcome
+from laticauda.cli.command import Outcome, stored_trials
 from laticauda.cli.flags import File, Folder, Words
-from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.vary import Known, Study
 from laticauda.errors import BadArgument, one_of
@@ -59,7 +58,13 @@ class SweepCommand(Study):
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
-        sweep = Sweep(scenario=scenario, points=self._points(known))
+        try:
+            sweep = Sweep(scenario=scenario, points=self._points(known))
+        except BadArgument as error:
+            if self.list is None or error.name == "list":
+                raise
+            where = "" if error.name in ("vary", "points") else f" `{error.name}`"
+            raise BadArgument("list", f"of {self.list}{where} {error.rule}") from error
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
                 warn_of_compiling(scenario.environment, scenario.model)
@@ -75,7 +80,7 @@ class SweepCommand(Study):
             "n_trials": n_trials,
             "n_failed": n_failed,
             "best_in": figure,
-            "best": [vary.point_facts(point) for point in points],
+            "best": points,
             "output": self.output,
             **vary.shared_facts(scenario),
         }
@@ -169,7 +174,7 @@ def _facts(front: Front, folder: Path, pictures: Sequence[Path]) -> dict[str, An
         **vary.shared_facts(front.optimization.scenario),
         "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
         "n_points": len(front),
-        "points": [vary.point_facts(front.point(i)) for i in front.spread(N_SHOWN)],
+        "points": [front.point(i) for i in front.spread(N_SHOWN)],
     }
 
 

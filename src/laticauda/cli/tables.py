@@ -49,6 +49,8 @@ def read_in(value: float | None, unit: str) -> tuple[str, str]:
 
 def number(value: float) -> str:
     """Four significant digits, without an exponent where that stays short; rounding noise is zero."""
+    if not math.isfinite(value):
+        return MISSING
     if abs(value) < 1e-6:
         return "0"
     if not 1e-3 <= abs(value) < 1e6:

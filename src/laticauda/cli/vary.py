@@ -17,7 +17,7 @@ from laticauda.errors import BadArgument
 from laticauda.quantities import DEGREES, option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, parameters
-from laticauda.studies.trials import QUANTITIES, attributes_of
+from laticauda.studies.sweep import QUANTITIES, attributes_of
 
 # Fields of these go by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
@@ -175,11 +175,6 @@ def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str
         for point in points
     ]
     return table(rows)
-
-
-def point_facts(point: Mapping[str, float]) -> dict[str, float | None]:
-    """A point for JSON."""
-    return {name: None if math.isnan(one) else one for name, one in point.items()}
 
 
 def shared_facts(scenario: Scenario) -> dict[str, Any]:

@@ -20,8 +20,7 @@ from laticauda.fluid.flow import Flow
 from laticauda.gaits import Gait, Wave, envelope_of, kinds
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import quantities_of, texts_of
-from laticauda.robot import CaudalFin, Robot, Water, current_names, load_current, load_robot, robot_names
-from laticauda.robot.environment import Current
+from laticauda.robot import CaudalFin, Current, Robot, Water, current_names, load_current, load_robot, robot_names
 from laticauda.scenarios import MODELS, Scenario
 
 PITCH = "pitch_"  # what the names of the pitch wave's controls begin with

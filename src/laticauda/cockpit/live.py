@@ -8,13 +8,10 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from laticauda import interfaces, kinematics, packaging, series
 from laticauda.cockpit.simulation import TICK, Changes, Simulation, begin, changed
 from laticauda.errors import within
-from laticauda.interfaces import ORIENTATION
-from laticauda.kinematics import from_quaternion
-from laticauda.packaging import __version__
 from laticauda.scenarios import Experiment, Scenario
-from laticauda.series import Log, log_of
 from laticauda.trial import Trial
 
 PLOTTED = 60.0  # what the plots show [s]
@@ -105,7 +102,7 @@ class Live:
     def speed(self, value: float) -> None:
         self._speed = within("speed", value, *SPEEDS)
 
-    def latest(self) -> Log:
+    def latest(self) -> series.Log:
         """The newest sample, without a time axis."""
         return self._latest
 
@@ -118,12 +115,12 @@ class Live:
         with self._lock:
             return self._plots.last(step)
 
-    def record(self) -> tuple[Log, Simulation]:
+    def record(self) -> tuple[series.Log, Simulation]:
         """The samples since the scenario was last changed, at most the last ten minutes, and the simulation now."""
         with self._lock:
             before, now = self._record.last(), _series(self._latest)
             log = {name: np.concatenate((before.get(name, one[None][:0]), one[None])) for name, one in now.items()}
-            return log_of(log), self.simulation
+            return series.log_of(log), self.simulation
 
     def advance(self, wall: float) -> int:
         """Let time pass.
@@ -205,7 +202,7 @@ class Live:
         return Trial(
             **vars(log),
             scenario=replace(now.scenario, **body, **span) if is_whole else Experiment(gait=now.scenario.gait, **body),
-            version=__version__,
+            version=packaging.__version__,
             status=now.failure or "The run reached its end.",
             succeeded=now.failure is None,
             state=now.plant.pack(now.state) if now.failure is None else {},
@@ -221,7 +218,7 @@ class Live:
         self._latest = log.at(-1)
         self._plots.append(self._plotted(before))
 
-    def _plotted(self, before: Log) -> dict[str, float | np.ndarray]:
+    def _plotted(self, before: series.Log) -> dict[str, float | np.ndarray]:
         now, n = self._latest, self._latest.joint_angle.size
         if now.electrical_work is not None and before.electrical_work is not None:
             work = float(now.electrical_work - before.electrical_work)
@@ -239,20 +236,20 @@ class Live:
             row[f"joint_{name}"] = math.degrees(now.joint_angle[joint]) if n else 0.0
         return row
 
-    def _sample(self) -> Log:
+    def _sample(self) -> series.Log:
         """A first sample of a simulation that has just been made or changed, without letting time pass."""
         return self.simulation.advance()[1].at(0)
 
 
-def tilt(sample: Log) -> dict[str, float]:
+def tilt(sample: series.Log) -> dict[str, float]:
     """Depth [m], pitch and roll [deg] of a sample in space: down, and left side up; nan in the plane."""
     if sample.center_of_mass.size == 2:
         return dict.fromkeys(("depth", "pitch", "roll"), math.nan)
-    left, up = from_quaternion(*(float(sample.signals[name]) for name in ORIENTATION))[2, 1:]
+    left, up = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))[2, 1:]
     pitch = math.degrees(sample.signals["pitch"])
     return {"depth": -float(sample.center_of_mass[2]), "pitch": pitch, "roll": math.degrees(math.atan2(left, up))}
 
 
-def _series(sample: Log) -> dict[str, np.ndarray]:
+def _series(sample: series.Log) -> dict[str, np.ndarray]:
     """What is kept of a sample."""
     return replace(sample, link_force=None).series()

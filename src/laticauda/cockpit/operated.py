@@ -1,94 +1,124 @@
-"""The robot that somebody else operates, in a lab or in a tank, shown as it is: nothing on the page can move it."""
+"""The robot that somebody else operates, shown as the operation's recording says while it grows; nothing is sent."""
 
 import math
+import time
 from collections import deque
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda import interfaces, series
-from laticauda.cockpit import pages, shapes
+from laticauda import interfaces, logs, series
+from laticauda.cockpit import shapes
 from laticauda.cockpit.scene import Body, Scene, Trail
-from laticauda.operate.settings import Connection
-from laticauda.robot import Robot, load_robot, robot_names
+from laticauda.errors import TrialFileError
+from laticauda.operate import Header
+from laticauda.operate.recording import log
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
-    from laticauda.operate.observer import Listener, Sight
 
 TRAIL: shapes.Color = (250, 120, 80)
-SPAN = 5.0  # over which its speed is taken [s]
-HINT_BUS = "udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0, as `laticauda lab` and `operate` have it"
-HINT_MOCAP = "HOST:PORT of the motion capture's real-time server"
+SPAN = 5.0  # over which its speed is taken, and that is read of what was before [s]
+SILENT = 2.0  # a recording into which nothing is written for so long has stopped [s]
+TOPICS = ("/estimate", "/sample/joints", "/events")
+LINES = 3  # of the events that are shown
+
+
+class Feed:
+    """What the recording of an operation says while it is written.
+
+    Args:
+        place: The recording, or a folder, of which it is the newest, also if that is begun later.
+    """
+
+    def __init__(self, place: Path) -> None:
+        self.place = place
+        self.header: Header | None = None
+        """Of the present recording; None before there is one."""
+        self.estimate: Estimate | None = None
+        """Where the robot is; None before that is known."""
+        self.speed = math.nan
+        """Over the last `SPAN` [m/s]."""
+        self.fin_angle = 0.0
+        """Of a driven fin [rad]."""
+        self.events = deque[str](maxlen=LINES)
+        """What happened last, in sentences."""
+        self._recording: logs.Recording | None = None
+        self._estimates = deque["Estimate"]()
+
+    def look(self) -> str:
+        """Read on; what is wrong, in a sentence, or "".
+
+        The picture is `log.CHUNK` behind, so that it moves as steadily as the robot does.
+        """
+        try:
+            written = self._follow()
+        except (OSError, TrialFileError) as error:
+            return str(error)
+        if written is None or not self._estimates:
+            none = f"There is no recording of an operation in {self.place} yet."
+            return none if written is None else "The robot has not been seen yet."
+        age = time.time() - written
+        moment = self._estimates[-1].time - log.CHUNK + min(age, log.CHUNK)
+        shown = max((k for k, one in enumerate(self._estimates) if one.time <= moment), default=0)
+        while self._estimates[shown].time - self._estimates[0].time > SPAN:
+            shown -= 1
+            self._estimates.popleft()
+        self.estimate, then = self._estimates[shown], self._estimates[0]
+        gone, way = self.estimate.time - then.time, self.estimate.center_of_mass - then.center_of_mass
+        self.speed = float(np.linalg.norm(way)) / gone if gone > 0.5 * SPAN else math.nan
+        return f"Nothing was written for {age:.0f} s: it is drawn where it was last." if age > SILENT else ""
+
+    def _follow(self) -> float | None:
+        """Read on, in the newest recording; when something was last written into that, None without one [s]."""
+        found = [*self.place.glob("*.mcap")] if self.place.is_dir() else [self.place]
+        if not found:
+            return None
+        newest = max(found, key=lambda path: path.stat().st_mtime)
+        if self._recording is None or newest != self._recording.path:
+            self._recording = logs.open_recording(newest)
+            self.header = log.header_in(self._recording)
+            self.estimate = None
+            self._estimates.clear()
+            self.events.clear()
+        n = self.header.run.robot.n_joints if self.header else 0
+        for logged in self._recording.more(*TOPICS, since=self._recording.stop - SPAN):
+            entry: Any = log.entry_of(logged)
+            if logged.topic == "/estimate":
+                self._estimates.append(entry)
+            elif logged.topic == "/sample/joints":
+                self.fin_angle = float(np.nan_to_num(entry.angle[n:]).sum())
+            elif entry.kind != "phase":
+                self.events.append(entry.message)
+        return newest.stat().st_mtime
 
 
 class OperatedRobot:
-    """Its picture, and the controls that belong to it.
+    """Its picture, and the words beside it.
 
     Args:
         gui: Of the page's server; the controls go where it is.
         pictures: Of the same server.
         scene: Where the simulated robot is.
-        own: A robot that is perhaps no preset, and can be chosen, too.
     """
 
-    def __init__(self, gui: Any, pictures: Any, scene: Scene, own: Robot) -> None:
-        self._scene, self._own = scene, own
-        self._listener: Listener | None = None
+    def __init__(self, gui: Any, pictures: Any, scene: Scene) -> None:
+        self._scene = scene
+        self._feed: Feed | None = None
+        self._header: Header | None = None
         self._body = Body(pictures, "operated")
         self._trail = Trail(pictures, "/operated_trail", TRAIL)
-        self._places: deque[tuple[float, np.ndarray]] = deque()
-        gui.add_markdown("The robot that `laticauda operate` moves, in `laticauda lab` or in a tank. Read-only.")
-        self._can = gui.add_text("CAN bus", "", hint=HINT_BUS)
-        self._mocap = gui.add_text("cameras", "", hint=HINT_MOCAP)
-        names = tuple(dict.fromkeys((*robot_names(), own.name)))
-        self._robot = gui.add_dropdown("robot", names, initial_value=own.name, hint="The one that is in the tank")
-        self._on = gui.add_button("connect", hint="It only listens: nothing is sent on the bus")
-        self._off = gui.add_button("disconnect", visible=False)
+        gui.add_markdown(
+            "The robot that `laticauda operate` moves, as its recording says; read-only. "
+            "`laticauda cockpit --operated FOLDER` shows the newest one in a folder."
+        )
         self._alone = gui.add_checkbox("hide the simulated robot", True)
         self._text = gui.add_markdown("")
-        self._offer(Connection())
-        self._on.on_click(self._clicked)
-        self._off.on_click(self._left)
 
-    @property
-    def is_on(self) -> bool:
-        """Whether it is connected, or tries to be."""
-        return self._listener is not None
-
-    def connect(self, connection: Connection, robot: Robot, **mount: Any) -> None:
-        """Look on from now on.
-
-        Args:
-            connection: Where bus and cameras are.
-            robot: What is operated.
-            mount: Where the marker body sits, if it is not in the middle of the last module.
-
-        Raises:
-            ValueError: If the robot has no module for the markers.
-            MissingExtra: If a library is not installed.
-        """
-        from laticauda.operate.observer import Listener
-
-        listener = Listener(connection, robot, **mount)
-        self.disconnect()
-        self._listener = listener
-        self._offer(connection)
-        if robot.name in self._robot.options:
-            self._robot.value = robot.name
-        self._on.visible, self._off.visible = False, True
-
-    def disconnect(self) -> None:
-        """Look on no more."""
-        if self._listener is not None:
-            self._listener.close()
-            self._listener = None
-        self._body.remove()
-        self._trail.forget()
-        self._places.clear()
-        self._scene.set_visible(True)
-        self._text.content = ""
-        self._on.visible, self._off.visible = True, False
+    def watch(self, place: Path) -> None:
+        """Show the recording at a `place`, or the newest in a folder, from now on."""
+        self._feed = Feed(place)
 
     def show(self, *, with_text: bool) -> np.ndarray | None:
         """Bring it up to date; where the robot is, or None if nothing is known of it [m].
@@ -96,62 +126,47 @@ class OperatedRobot:
         Args:
             with_text: Whether its numbers are written anew, and its trail grows.
         """
-        listener = self._listener
-        if listener is None:
+        if self._feed is None:
             return None
-        sight = listener.look()
-        estimate = sight.estimate
-        if estimate is None:
+        trouble = self._feed.look()
+        estimate, header = self._feed.estimate, self._feed.header
+        if estimate is None or header is None:
             if with_text:
-                self._text.content = f"**{sight.trouble}**" if sight.trouble else "Waiting for the first picture ..."
+                self._text.content = f"**{trouble}**"
             return None
-        robot = listener.robot.planar()
-        self._body.show(robot, _sample(estimate, sight.fin_angle))
+        robot = header.run.robot.planar()
+        self._body.show(robot, _sample(estimate, self._feed.fin_angle))
         self._scene.set_visible(not self._alone.value)
         if with_text:
+            if header is not self._header:  # another run
+                self._header = header
+                self._trail.forget()
             self._trail.grow(estimate.center_of_mass)
             self._trail.draw()
-            self._text.content = self._numbers(estimate, sight, has_fin=len(robot.driven_joints) > robot.n_joints)
+            self._text.content = self._numbers(self._feed, estimate, trouble)
         return estimate.center_of_mass
 
-    def _numbers(self, estimate: "Estimate", sight: "Sight", *, has_fin: bool) -> str:
-        """Where it is and how fast, and what is wrong, as Markdown."""
-        now, place = estimate.time, estimate.center_of_mass
-        if not self._places or now > self._places[-1][0]:
-            self._places.append((now, place))
-        while now - self._places[0][0] > SPAN:
-            self._places.popleft()
-        then, there = self._places[0]
-        speed = float(np.linalg.norm(place - there)) / (now - then) if now - then > 0.5 * SPAN else math.nan
+    @staticmethod
+    def _numbers(feed: Feed, estimate: "Estimate", trouble: str) -> str:
+        """Where it is and how fast, what happened last and what is wrong, as Markdown."""
+        place, speed = estimate.center_of_mass, feed.speed
         rows = [
             ("place", f"{place[0]:z.2f}, {place[1]:z.2f} m"),
             ("heading", f"{math.degrees(estimate.heading):z.1f} deg"),
             (f"speed over {SPAN:g} s", f"{speed:.3f} m/s" if math.isfinite(speed) else "..."),
             ("joints", f"up to {math.degrees(float(np.max(np.abs(estimate.joint_angle), initial=0.0))):.0f} deg"),
         ]
-        rows += [("fin", f"{math.degrees(sight.fin_angle):z.0f} deg")] if has_fin else []
-        lines = [f"| {estimate.status} | |", "|:--|--:|", *(f"| {name} | **{value}** |" for name, value in rows)]
-        return "\n".join(lines) + (f"\n\n**{sight.trouble}**" if sight.trouble else "")
-
-    def _offer(self, connection: Connection) -> None:
-        """Let the fields show where bus and cameras are."""
-        mocap = f"{connection.mocap_host}:{connection.mocap_port}"
-        self._can.value, self._mocap.value = str(connection.bus), mocap
-
-    def _left(self, event: Any) -> None:
-        self.disconnect()
-
-    @pages.refusing
-    def _clicked(self, event: Any) -> None:
-        name = self._robot.value
-        connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
-        self.connect(connection, self._own if name == self._own.name else load_robot(name))
+        rows += [("fin", f"{math.degrees(feed.fin_angle):z.0f} deg")] if feed.fin_angle else []
+        lines = [f"| {estimate.status} | |", "|:--|--:|", *(f"| {name} | **{value}** |" for name, value in rows), ""]
+        lines += [f"- {event}" for event in feed.events]
+        return "\n".join(lines) + (f"\n\n**{trouble}**" if trouble else "")
 
 
 def _sample(estimate: "Estimate", fin_angle: float) -> series.Log:
     """An estimate as a sample to draw, which says nothing of the motors; with the angle of a driven fin [rad]."""
     names = [name for name in interfaces.Observation.__dataclass_fields__ if name in series.Log.__dataclass_fields__]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
+    known |= {name: known[name][:2] for name in ("center_of_mass", "center_of_mass_velocity")}
     nothing = np.zeros_like(estimate.joint_angle)
     fin = {"fin_angle_0": np.asarray(fin_angle)}
     return series.Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin)

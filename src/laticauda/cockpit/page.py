@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from laticauda.access import Door
 from laticauda.cockpit import board, controls, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
@@ -21,7 +22,7 @@ class Cockpit:
 
     Args:
         live: The simulation.
-        host: Address that it listens on.
+        host: Address that it listens on; for any but this computer alone, the page's address holds a token.
         port: Likewise; 0: any that is free.
 
     Raises:
@@ -31,7 +32,9 @@ class Cockpit:
 
     def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         self.live = live
-        self._server = pages.serve(host, port)
+        self.door = Door.of(host)
+        """Whom it answers."""
+        self._server = pages.serve(self.door, port)
         self._events = EventQueue()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -56,8 +59,8 @@ class Cockpit:
         with tabs.add_tab("Run"):
             self._runs = runs.Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
-            self.operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
-            """The robot that somebody else operates, if it is connected."""
+            self.operated = OperatedRobot(gui, self._server.scene, self._scene)
+            """The robot that somebody else operates, if one is watched."""
         flat = {"scale": 0.35, "active_axes": (True, True, False), "visible": False}
         self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
@@ -68,9 +71,8 @@ class Cockpit:
 
     @property
     def address(self) -> str:
-        """Where a browser finds it."""
-        host = self._server.get_host()
-        return f"http://{f'[{host}]' if ':' in host else host}:{self._server.get_port()}"
+        """Where a browser finds it, with the token if there is one."""
+        return self.door.url(self._server.get_port())
 
     @property
     def pages(self) -> int:
@@ -105,7 +107,6 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
-        self.operated.disconnect()
         pages.stop(self._server)
         self._events.close()
 

@@ -23,14 +23,17 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from laticauda import access
+from laticauda.access import Door
 from laticauda.cockpit.scene import HOME
-from laticauda.errors import LaticaudaError
-from laticauda.extras import optional_import
+from laticauda.errors import LaticaudaError, optional_import
 
 PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
 """The page talks to its own server alone (viser's would follow an address in the link), and stands in no other one."""
+MOST_UPLOADED = 128 << 20  # of files that pages are sending, and of one [bytes]
+MOST_UPLOADS = 8  # that pages are sending at a time
+PART_COST = 1000  # of a part of a file, beside its content [bytes]
+MOST_SAID = 4 << 20  # of one message of a page [bytes]
 Owner = TypeVar("Owner")
 
 
@@ -47,25 +50,53 @@ def load_viser() -> Any:
     return optional_import("The cockpit", "viser", "cockpit")
 
 
-def serve(host: str, port: int) -> Any:
+def serve(door: Door, port: int) -> Any:
     """A page's server, on this host and port alone: viser by itself would take the next free port, on all networks.
+
+    Args:
+        door: Whom it answers, and where.
+        port: Likewise; 0: any that is free.
 
     Raises:
         MissingExtra: If viser is not installed.
         PortTaken: If something else listens there, or this computer has no such address.
     """
-    viser = load_viser()
+    viser, host = load_viser(), door.host
     try:
         with socket.create_server((host, port)) as probe:
             port = int(probe.getsockname()[1])
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise PortTaken(f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one.") from error
-    with contextlib.redirect_stdout(io.StringIO()), _guarding():
+    with contextlib.redirect_stdout(io.StringIO()), _guarding(door):
         server = viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
     # viser would ask a service for an address on the internet, if a page wanted that.
     server._websock_server.unregister_handler(import_module("viser._messages").ShareUrlRequest)
+    _limit_uploads(server)
     return server
+
+
+def _limit_uploads(server: Any) -> None:
+    """Throw away what pages send beyond a bound: viser keeps all of it until it is whole, and says that it has come."""
+    messages, sent = import_module("viser._messages"), server.gui._current_file_upload_states
+
+    def is_told(message: Any) -> bool:
+        return isinstance(message, messages.FileTransferPartAck)
+
+    def begun(page: int, message: Any) -> None:
+        server._websock_server.get_message_buffer().remove_from_buffer(is_told)
+        if message.size_bytes > MOST_UPLOADED or len(sent) > MOST_UPLOADS:
+            sent.pop(message.transfer_uuid, None)
+            refused = f"A file must have {MOST_UPLOADED >> 20} MiB or less, and come when few others do."
+            if page in (there := server.get_clients()):
+                there[page].add_notification("Refused", refused, color="red", auto_close_seconds=12.0)
+
+    def came(_: int, message: Any) -> None:
+        if sum(one["transferred_bytes"] + PART_COST * len(one["parts"]) for one in sent.values()) > MOST_UPLOADED:
+            sent.pop(message.transfer_uuid, None)
+
+    server._websock_server.register_handler(messages.FileTransferStartUpload, begun)
+    server._websock_server.register_handler(messages.FileTransferPart, came)
 
 
 def stop(server: Any) -> None:
@@ -96,7 +127,7 @@ _WIRE.addFilter(_in_one_line)
 
 
 @contextlib.contextmanager
-def _guarding() -> Generator[None]:
+def _guarding(door: Door) -> Generator[None]:
     """Within it, servers of `websockets` answer whom they may answer: viser, which makes one, passes no rule on."""
     module: Any = import_module("websockets.asyncio.server")
     made, usual = list[str](), module.serve
@@ -107,8 +138,8 @@ def _guarding() -> Generator[None]:
 
         asyncio.get_running_loop().set_exception_handler(failed)
         made.append(host)
-        answer = functools.partial(_answered, host, process_request)
-        return usual(handler, host, port, process_request=answer, logger=_WIRE, **rest)
+        answer = functools.partial(_answered, door, process_request)
+        return usual(handler, host, port, process_request=answer, logger=_WIRE, **{**rest, "max_size": MOST_SAID})
 
     module.serve = serve
     try:
@@ -119,15 +150,18 @@ def _guarding() -> Generator[None]:
         raise LaticaudaError("This viser serves its pages by other means, to everybody: install viser 1.1.")
 
 
-def _answered(host: str, usual: Any, connection: Any, request: Any) -> Any:
+def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
     """What a request is answered with; None: the websocket that it asks for."""
-    why = access.refusal(host, request.headers.get_all)
+    why = door.refusal(request.path, request.headers.get_all)
     if why:
         _WIRE.warning("A request was refused: %s", why)
         return connection.respond(HTTPStatus.FORBIDDEN, why)
+    if door.token:
+        request.path = request.path.replace(f"/{door.token}", "", 1) or "/"
     response = usual(connection, request)
     if response is not None:
         response.headers["Content-Security-Policy"] = POLICY
+        response.headers["Referrer-Policy"] = "no-referrer"
     return response
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from laticauda.cockpit.live import Live, tilt
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, measured
-from laticauda.reports.texts import in_digits
+from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
 from laticauda.trial.feasibility import feasibility
 

@@ -1,7 +1,12 @@
 """Runs as files: the present one saved, a stored one played back as a ghost, and how to repeat what swims."""
 
+import contextlib
 import json
+import os
+import subprocess
+import sys
 import tempfile
+import threading
 from dataclasses import replace
 from html import escape
 from pathlib import Path
@@ -13,7 +18,7 @@ from laticauda import logs, operate, robot, scenarios, series
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import refusing
 from laticauda.cockpit.scene import Scene
-from laticauda.errors import TrialFileError
+from laticauda.errors import LaticaudaError, TrialFileError
 from laticauda.operate.recording.entries import HEADER
 from laticauda.trial import Format, Trial
 
@@ -22,32 +27,19 @@ SAVED = "cockpit-run.nc"
 GAP = 0.5  # from the robot to a ghost beside it, to the left of where that heads [m]
 BESIDE = "It begins beside the robot; else it is where it was when it was recorded"
 DURATION = 30.0  # [s]
+SECONDS = 60.0  # for reading what somebody sent
+ROOM = 2 << 30  # likewise, of memory [bytes]
+SHARE = 8  # of that which the file of ours may have at most, and so this process
+REFUSED = 3  # exit status
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each sets memory aside
 FILE = "scenario.toml"
 COMMAND = f"laticauda swim {FILE}"
 PYTHON = "trial = lc.swim(scenario)\nprint(trial.forward_velocity, trial.mean_power)"
-TEXT = f"""Download it as `{FILE}`, then:
-```bash
-{COMMAND}
-```
-```python
-import laticauda as lc
-
-scenario = lc.load_scenario("{FILE}")
-{PYTHON}
-```
-What the buttons copy has the file in it."""
+_TEXT = Path(__file__).with_name("elsewhere.md").read_text().strip()
+TEXT = _TEXT.replace("COMMAND", COMMAND).replace("PYTHON", PYTHON).replace("FILE", FILE)
 """What a page says of it, as Markdown."""
-STYLE = (
-    "font:inherit;font-size:0.875em;padding:0.3em 0.8em;margin:0 0.5em 0.3em 0;border:0;border-radius:2px;"
-    "background:#1971c2;color:white;cursor:pointer"
-)
-# Browsers let a page write to the clipboard only if it comes from this computer, or by https; else by the old way.
-SCRIPT = (
-    "const t={text},b=this,s=b.textContent,done=()=>{{b.textContent='copied';setTimeout(()=>b.textContent=s,1200)}};"
-    "if(navigator.clipboard)navigator.clipboard.writeText(t).then(done);"
-    "else{{const a=document.createElement('textarea');a.value=t;document.body.append(a);a.select();"
-    "document.execCommand('copy');a.remove();done()}}"
-)
+STYLE = Path(__file__).with_name("copy.css").read_text().strip()
+SCRIPT = "".join(Path(__file__).with_name("copy.js").read_text().splitlines()[2:])
 
 
 class Ghost:
@@ -96,6 +88,7 @@ class Runs:
         self._live, self._scene = live, scene
         self._ghost: Ghost | None = None
         self._since = 0.0
+        self._reading = threading.Lock()
         hint = "The run since the setting was last changed, at most ten minutes of it, as a netCDF file"
         gui.add_button("save the run", hint=hint).on_click(self._save)
         hint = f"What swims, how and where, from where it first began, as {FILE}"
@@ -151,10 +144,10 @@ class Runs:
     @refusing
     def _load(self, event: Any) -> None:
         file = event.target.value
-        with tempfile.TemporaryDirectory() as folder:
+        with self._reading, tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"uploaded{Path(file.name).suffix.lower()}"
             path.write_bytes(file.content)
-            self.play(stored_trial(path, file.name))
+            self.play(foreign_trial(path, file.name))
 
     def _place(self, event: Any = None) -> None:
         """Beside the robot, or where it was."""
@@ -195,6 +188,49 @@ def stored_trial(path: Path, name: str) -> Trial:
         return logs.load_trial(path)
     except TrialFileError as error:
         raise TrialFileError(str(error).replace(str(path), name)) from error
+
+
+def foreign_trial(path: Path, name: str) -> Trial:
+    """`stored_trial` of a file that came from somebody: another process reads it, and hands on a file of ours.
+
+    HDF5, zip and the others were not made for files that want to do harm; that process has `SECONDS`, and where the
+    system can limit it, `ROOM` of memory.
+
+    Args:
+        path: The file, in a folder of its own.
+        name: What messages call it.
+
+    Raises:
+        TrialFileError: If it is none, or could not be read within the limits; the message has the reason.
+    """
+    read = path.with_name("read.nc")
+    code = f"from {__name__} import hand_on; hand_on()"
+    words = [sys.executable, "-P", "-c", code, *map(str, (path, read, name, ROOM))]
+    own = os.environ | ONE_THREAD
+    try:
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, env=own)
+    except subprocess.TimeoutExpired:
+        raise TrialFileError(f"Cannot load {name}: reading it takes longer than {SECONDS:g} s.") from None
+    if done.returncode == REFUSED:
+        raise TrialFileError(done.stderr.decode(errors="replace"))
+    if done.returncode:
+        raise TrialFileError(f"Cannot load {name}: whoever reads it ended at once, or at {ROOM >> 20} MiB.")
+    return stored_trial(read, name)
+
+
+def hand_on() -> None:
+    """What that process does: its command line has the two files, the name, and the room."""
+    source, target, name, room = sys.argv[1:]
+    with contextlib.suppress(ImportError):  # Windows has none
+        import resource
+
+        for limited, most in ((resource.RLIMIT_AS, int(room)), (resource.RLIMIT_FSIZE, int(room) // SHARE)):
+            resource.setrlimit(limited, (most, most))
+    try:
+        stored_trial(Path(source), name).save(target)
+    except (ValueError, LaticaudaError) as error:
+        sys.stderr.write(str(error))
+        sys.exit(REFUSED)
 
 
 def _send(event: Any, name: str, content: bytes) -> None:

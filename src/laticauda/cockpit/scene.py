@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from laticauda import kinematics, series
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
 from laticauda.dynamics.plant import Plant
 from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_waves
-from laticauda.kinematics import to_quaternion
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Environment, Robot, Water
-from laticauda.series import Log
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the axis of a robot in the plane [m]
 LEAST_FLOOR = 1.5  # depth of the floor below the surface, for a robot in space [m]
@@ -53,7 +52,7 @@ class Body:
         self._frames: list[Any] = []
         self._root = scene.add_frame(f"/{name}", show_axes=False)
 
-    def show(self, robot: Robot, sample: Log) -> Poses:
+    def show(self, robot: Robot, sample: series.Log) -> Poses:
         """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
         if robot != self._robot:
             self._build(robot)
@@ -189,7 +188,7 @@ class Scene:
         self._water = MovingWater(scene)
         self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
-    def show(self, robot: Robot, environment: Environment, sample: Log, *, forces: bool) -> None:
+    def show(self, robot: Robot, environment: Environment, sample: series.Log, *, forces: bool) -> None:
         """Draw the robot and its water, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
         self._water.show(environment, robot, sample.center_of_mass, float(sample.time))
@@ -227,7 +226,7 @@ class Scene:
         own = model.body_rootid[model.geom_bodyid] == model.body("module_0").id
         for k in np.flatnonzero(~own):
             kind, size, name = model.geom_type[k], model.geom_size[k], f"/around/{k}"
-            turned = to_quaternion(data.geom_xmat[k].reshape(3, 3))
+            turned = kinematics.to_quaternion(data.geom_xmat[k].reshape(3, 3))
             look: Any = {"color": SOLID, "opacity": 0.4, "wxyz": turned, "position": data.geom_xpos[k]}
             if kind == BOX:
                 self._around.append(self._scene.add_box(name, dimensions=2.0 * size, **look))
@@ -240,7 +239,7 @@ class Scene:
         """Show the robot, or hide it: its trail and its path stay."""
         self._body.set_visible(is_visible)
 
-    def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
+    def ghost(self, robot: Robot | None, sample: series.Log | None = None) -> None:
         """Draw a ghost as it is in a sample, or none."""
         if robot is None or sample is None:
             self._ghost.remove()
@@ -272,7 +271,7 @@ def _linear(color: Color) -> tuple[float, float, float]:
     return r, g, b
 
 
-def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:
+def _arrows(now: Poses, sample: series.Log, place: np.ndarray) -> np.ndarray | None:
     """From every link's middle, seen from `place`, as long as its force is large; None if there are no forces."""
     if not sample.link_force:
         return None

@@ -6,11 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.interfaces import ORIENTATION
-from laticauda.kinematics import from_quaternion, to_quaternion, turn
+from laticauda import interfaces, kinematics, series
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Robot
-from laticauda.series import Log
 from laticauda.spatial import appearance
 from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, plate, rods
 from laticauda.spatial.bodies import AXES, bodies
@@ -57,7 +55,7 @@ def shapes(robot: Robot) -> list[Shape]:
     return found
 
 
-def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
+def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
     """Where its parts are.
 
     Args:
@@ -66,9 +64,9 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
         height: Of a robot in the plane [m].
     """
     if sample.center_of_mass.size == 3:
-        root = from_quaternion(*(float(sample.signals[name]) for name in ORIENTATION))
+        root = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))
     else:
-        root = turn("yaw", float(sample.link_angle[0]))
+        root = kinematics.turn("yaw", float(sample.link_angle[0]))
     pieces = robot.caudal_fin.pieces if robot.caudal_fin is not None else ()
     bends = [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(pieces))]
     parts, angles = bodies(robot), [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
@@ -76,13 +74,13 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
     for body, angle in zip(parts, angles, strict=True):
         before = turns[body.parent]
         places[body.name] = places[body.parent] + before @ body.position
-        turns[body.name] = before @ turn("pitch" if body.axis == AXES["pitch"] else "yaw", angle)
+        turns[body.name] = before @ kinematics.turn("pitch" if body.axis == AXES["pitch"] else "yaw", angle)
     position, rotation = (np.array([found[body.name] for body in parts]) for found in (places, turns))
     ahead, mass = rotation[:, :, 0], np.array([body.mass for body in parts])
     center = mass @ (position + np.array([[body.center] for body in parts]) * ahead) / mass.sum()
     position += in_space(sample.center_of_mass, height) - center
     middle = position[: robot.n_links] + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]
-    return Poses(position=position, orientation=np.array([*map(to_quaternion, rotation)]), middle=middle)
+    return Poses(position=position, orientation=np.array([*map(kinematics.to_quaternion, rotation)]), middle=middle)
 
 
 def _color(material: str) -> Color:

@@ -16,12 +16,12 @@ from pathlib import Path
 from types import CellType, CodeType, FunctionType
 from typing import Any, cast, no_type_check
 
-from numba import config, njit
+from numba import cfunc, config, njit
 from numba.core.errors import NumbaError
 from numba.extending import overload
 
 from laticauda import scalars
-from laticauda.compiling import lanes, ready
+from laticauda.compiling import functions, lanes, ready
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
 from laticauda.files import locked
@@ -59,6 +59,8 @@ class Target:
     """What stands in the place of functions that laws call, as those of `scalars`."""
     instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """What stands in the place of names that the templates of kernels import or define."""
+    made: dict[Any, Any] = field(default_factory=dict[Any, Any])
+    """Functions that were made for it, by what they were made of."""
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -82,7 +84,7 @@ def compiled(function: Callable[..., Any]) -> Any:
     code = function.__code__
     # Machine code on disk names the module of every function in it, and each must be there when it is loaded.
     names: dict[str, Any] = {**function.__globals__, "__name__": __name__}
-    for name in _globals_of(code):
+    for name in globals_of(code):
         if isinstance(names.get(name), FunctionType):
             names[name] = _compiled_inner(names[name])
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
@@ -113,6 +115,11 @@ def in_lanes(function: Any) -> Any:
         function: As `compiled` returned it.
     """
     return _target.get().in_lanes(function)
+
+
+def made_for_target() -> dict[Any, Any]:
+    """Functions that were made for what is compiled for now, by what they were made of."""
+    return _target.get().made
 
 
 def first_lane() -> Any:
@@ -180,13 +187,28 @@ def in_turn(compiled: Any) -> Any:
     return compiled
 
 
+def for_c(signature: Any, function: Callable[..., Any]) -> Any:
+    """Compile a function that C calls, and keep the machine code on disk; processes do it in turn, as `in_turn` says.
+
+    Args:
+        signature: Of Numba's types.
+        function: Whose name ends in a digest of all that it is made of.
+    """
+    folder = Path(cast(Any, njit(cache=True)(function)).stats.cache_path)
+    with locked(folder / f"{function.__qualname__}.lock", wait=True):
+        return cfunc(signature, cache=True, **OPTIONS)(function)
+
+
 PROCESSOR = Target(
     kernel=inlined,
     entry=_kept,
     in_lanes=_all_or_each,
     formulas={
-        one: getattr(lanes, one.__name__)
-        for one in (scalars.where, scalars.magnitude, scalars.first_lane, scalars.table_row)
+        scalars.tanh: functions.tanh,
+        **{
+            one: getattr(lanes, one.__name__)
+            for one in (scalars.where, scalars.magnitude, scalars.first_lane, scalars.table_row)
+        },
     },
 )
 _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
@@ -230,7 +252,7 @@ def _parts(value: Any, seen: set[int]) -> list[str]:
     parts = [*_text_of(code), repr(function.__defaults__)]
     for cell in function.__closure__ or ():
         parts += _parts(cell.cell_contents, seen)
-    for name in _globals_of(code):
+    for name in globals_of(code):
         if name in function.__globals__:
             parts += [name, *_parts(function.__globals__[name], seen)]
     return parts
@@ -243,8 +265,8 @@ def _text_of(code: CodeType) -> list[str]:
 
 
 @cache
-def _globals_of(code: CodeType) -> list[str]:
+def globals_of(code: CodeType) -> list[str]:
     """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them."""
     own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
-    inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in _globals_of(c)]
+    inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in globals_of(c)]
     return list(dict.fromkeys([*own, *inner]))

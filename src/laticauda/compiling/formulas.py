@@ -1,17 +1,21 @@
-"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with numbers alone, or with lanes."""
+"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with numbers alone, or with lanes.
+
+The motion of water is the sum of the formulas of many parts (`summed`).
+"""
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownArgumentType=false, reportUntypedNamedTuple=false
+# pyright: reportUnknownMemberType=false
 
 import functools
 import math
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import compiled, fingerprint, for_python, in_lanes, kernel
+from laticauda.compiling import compiled, fingerprint, first_lane, for_python, in_lanes, kernel, made_for_target
 from laticauda.formulas import Formula
 
 _checked: set[str] = set()
@@ -64,8 +68,11 @@ def _size(record: Any) -> int:
 
 
 def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
-    """The same for kernels: it takes lanes too; see `in_numbers`."""
-    return in_lanes(in_numbers(formula, record, n_first))
+    """The same for kernels: it takes lanes too, and is made once for all of them; see `in_numbers`."""
+    made, key = made_for_target(), (digest_of(formula), record, n_first)
+    if key not in made:
+        made[key] = in_lanes(in_numbers(formula, record, n_first))
+    return made[key]
 
 
 def check(
@@ -118,3 +125,50 @@ def rows_from(first: int, count: int) -> Callable[..., tuple[Any, ...]]:
     # Numba knows the length of a tuple that is spelled out only.
     rows = "".join(f"rows[begin + {row}], " for row in range(first, first + count))
     return kernel(eval(f"lambda rows, begin=0: ({rows})"))
+
+
+PLACE = 4
+"""Numbers that a flow gets before its own: x, y, z, t."""
+
+
+def summed(kinds: Sequence[Formula], count: int) -> Any:
+    """A kernel function of the rows S, where a flow's numbers begin, and x, y, z, t: the sum of all parts.
+
+    Args:
+        kinds: The formulas of the parts; for each, the rows hold how many parts there are, then the numbers of each.
+        count: How many numbers a formula returns.
+    """
+
+    @kernel
+    def total(S, at, x, y, z, t):
+        return at, zeros(0.0 * (x + y + z + t))
+
+    zeros = kernel(eval(f"lambda zero: ({'zero, ' * count})"))
+    for formula in kinds:
+        total = _after(total, formula, count)
+    last = total
+
+    @kernel
+    def motion(S, at, x, y, z, t):
+        return last(S, at, x, y, z, t)[1]
+
+    return motion
+
+
+def _after(before: Any, formula: Formula, count: int) -> Any:
+    """The same with the parts of one more kind."""
+    part, size, first = in_rows(formula, None, PLACE), len(formula.fields), first_lane()
+    numbers = rows_from(0, size)
+    plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))
+
+    @kernel
+    def total(S, at, x, y, z, t):
+        at, sums = before(S, at, x, y, z, t)
+        n = int(first(S[at].real))
+        at += 1
+        for _ in range(n):
+            sums = plus(sums, part(x, y, z, t, *numbers(S, at)))
+            at += size
+        return at, sums
+
+    return total

@@ -15,6 +15,7 @@ from typing import Any
 from numba import njit
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
 # Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
@@ -51,3 +52,12 @@ def inlined(function: Any, **options: Any) -> Any:
     template_of = made.get_call_template
     made.get_call_template = lambda args, kws: template_of(tuple(map(unliteral, args)), kws)
     return made
+
+
+def is_inner(one: Any) -> bool:
+    """Whether it is what `inlined` returned.
+
+    Args:
+        one: Anything.
+    """
+    return isinstance(one, Dispatcher) and "no_cfunc_wrapper" in one.targetoptions

@@ -20,13 +20,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import (
-    intrinsic,
-    lower_builtin,
-    lower_cast,
-    overload_attribute,
-    type_callable,
-)
+from numba.extending import intrinsic, lower_builtin, lower_cast, overload_attribute, type_callable
 
 from laticauda.compiling import duals
 from laticauda.compiling.lane_types import Duals, Lanes, Mask, joined, parted, vector

@@ -18,10 +18,8 @@ from numba.core.caching import FunctionCache
 
 FOLDER = Path(__file__).parent / "ready"
 """Where it is; there is none beside sources that nobody built a wheel of."""
-FAMILY = "x86-64-v3"
-"""What it is made for: most processors since 2013."""
 FEATURES = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2")
-"""What these have."""
+"""What the processors have that it is made for: the family x86-64-v3, most since 2013."""
 
 
 class ReadyCache(FunctionCache):

@@ -21,13 +21,15 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, ready
+from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of, ready
+from laticauda.compiling.inner import is_inner
 from laticauda.formulas import Formula
 
 PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}
 _loaded: dict[tuple[str, str, Target], ModuleType] = {}
 _specialized: dict[tuple[str, str, Target], ModuleType] = {}
+_inner: dict[tuple[Any, ...], tuple[Any, list[Any]]] = {}
 _one_at_a_time = threading.Lock()
 
 
@@ -143,6 +145,7 @@ def specialized(
                 module = load(folder / f"{template}.py", key, found)
                 for name in target.instead.keys() & vars(module).keys():
                     setattr(module, name, target.instead[name])
+                vars(module).update({name: _first_of(one) for name, one in vars(module).items()})
                 _loaded[template, key, target] = module
             found[template] = _loaded[template, key, target]
     return _specialized.setdefault((package, str(digests), target), found[template])
@@ -153,6 +156,33 @@ def _made_of(one: object) -> object:
     if isinstance(one, tuple):
         return [_made_of(part) for part in cast("tuple[object, ...]", one)]
     return formulas.digest_of(one) if isinstance(one, Formula) else one
+
+
+def _first_of(one: Any) -> Any:
+    """The first inner function that is the same as this one: what does not know how two specializations differ.
+
+    So a kernel for another flow compiles what calls it, and takes the rest as it is.
+    """
+    return _first_inner(one) if is_inner(one) else one
+
+
+@functools.cache
+def _first_inner(inner: Any) -> Any:
+    function, refers = inner.py_func, [*(inner.py_func.__defaults__ or ())]
+    for cell in function.__closure__ or ():
+        cell.cell_contents = _first_of(cell.cell_contents)
+        refers.append(cell.cell_contents)
+    for name in filter(function.__globals__.__contains__, globals_of(function.__code__)):
+        found = function.__globals__[name] = _first_of(function.__globals__[name])
+        is_template = isinstance(found, ModuleType) and found in _loaded.values()  # the function knows what it names
+        refers += [name, *(getattr(found, way, None) for way in function.__code__.co_names if is_template)]
+        refers += [] if is_template else [found]
+    key = function.__code__, *inner.targetoptions, *map(_identity, refers)
+    return _inner.setdefault(key, (inner, refers))[0]  # what it refers to stays, and with it the identities
+
+
+def _identity(one: Any) -> object:
+    return repr(one) if type(one) in (bool, int, float, str, tuple) else id(one)
 
 
 def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
@@ -171,6 +201,9 @@ def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
     _loading[name] = names
     sys.modules[name] = module
     spec.loader.exec_module(module)
+    # Machine code on disk names the modules of functions in it, and they must be there when it is loaded: in another
+    # process these may be those of another specialization.
+    module.__name__ = __name__
     del _loading[name]
     return module
 

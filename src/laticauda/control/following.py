@@ -3,10 +3,9 @@
 import math
 from typing import Any, Literal
 
-from laticauda.control.current import CurrentObserver
+from laticauda.control import current, path_following
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
-from laticauda.control.path_following import PathFollowing, SpatialPathFollowing
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
@@ -51,7 +50,7 @@ class Following(Course):
     max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
     heading_estimate: Literal["raw", "cycle_mean"] = option("raw, or cycle_mean over the last cycle", default="raw")
     interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
-    observer: CurrentObserver | None = option(
+    observer: current.CurrentObserver | None = option(
         "what observes the current, so that the robot points upstream; None: nothing does", default=None
     )
     climb_look_ahead_distance: float = quantity("m", "Delta in depth", gt=0.0, default=1.0)
@@ -91,7 +90,7 @@ class Following(Course):
         ends = (along[0] - LEVEL, -depths[0]), (along[-1] + LEVEL, -depths[-1])
         return Polyline(waypoints=(ends[0], *points, ends[1]))
 
-    def controller(self, gait: Gait) -> PathFollowing:
+    def controller(self, gait: Gait) -> path_following.PathFollowing:
         """The controller.
 
         Args:
@@ -100,7 +99,7 @@ class Following(Course):
         law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
         if self.guidance == "integral_line_of_sight":
             law = IntegralLineOfSight(look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain)
-        plan = PathFollowing(
+        plan = path_following.PathFollowing(
             gait=gait,
             path=self.path,
             guidance=law,
@@ -111,7 +110,7 @@ class Following(Course):
         )
         if self.profile is None:
             return plan
-        return SpatialPathFollowing(
+        return path_following.SpatialPathFollowing(
             **vars(plan),
             profile=self.profile,
             climb_guidance=IntegralLineOfSight(

@@ -8,12 +8,11 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from laticauda.angles import wrap_to_pi
+from laticauda import angles, gaits
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.errors import BadArgument, positive
-from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
@@ -51,6 +50,7 @@ class PathFollowing(Controller[PathFollowingState]):
 
     Example:
         >>> from laticauda.control import LineOfSight, StraightLine
+        >>> from laticauda.gaits import Gait
         >>> controller = PathFollowing(
         ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
         ...     path=StraightLine(),
@@ -61,7 +61,7 @@ class PathFollowing(Controller[PathFollowingState]):
         0.05
     """
 
-    gait: Gait = option("What swims along the path; its own offset is added")
+    gait: gaits.Gait = option("What swims along the path; its own offset is added")
     path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
     guidance: Guidance[Any] = option("Law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own")
     heading: HeadingController = option("The law that turns the robot")
@@ -97,7 +97,7 @@ class PathFollowing(Controller[PathFollowingState]):
         guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, was_saturated)
         observed, crab = self._observed(state, observation, heading_ref)
         if crab:
-            heading_ref = heading + wrap_to_pi(heading_ref - crab["crab_angle"] - heading)
+            heading_ref = heading + angles.wrap_to_pi(heading_ref - crab["crab_angle"] - heading)
         offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
         signals = {
             "heading_ref": heading_ref,
@@ -143,7 +143,7 @@ class PathFollowing(Controller[PathFollowingState]):
         refuse_offset(robot, self.gait, self.heading.max_offset)
 
 
-def refuse_offset(robot: Robot, gait: Gait, max_offset: float) -> None:
+def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
     """Refuse an offset that could take a joint beyond its limit.
 
     Args:

@@ -17,14 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
-from laticauda.control.averaged import AveragedModel
+from laticauda.control import averaged, guidance, path_following, paths
 from laticauda.control.current import BEND, PSI, SPEED, SWAY, CurrentObserver, ObserverState, X, Y
 from laticauda.control.frames import Path, PathFrame
-from laticauda.control.guidance import HeadingController, LineOfSight
-from laticauda.control.path_following import refuse_offset
-from laticauda.control.paths import StraightLine
-from laticauda.errors import BadArgument, positive
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, optional_import, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
@@ -193,7 +189,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
 
     gait: Gait = option("What swims; its frequency is what a run starts with")
     path: Path[Any] = option("Where to go")
-    model: AveragedModel = option("How this gait moves this robot: `fit_averaged`")
+    model: averaged.AveragedModel = option("How this gait moves this robot: `fit_averaged`")
     speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
     offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)
     frequency_rate: float = quantity("rad/s^2", "Largest change of the frequency", default=0.2, gt=0.0)
@@ -232,7 +228,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     @cached_property
     def _problem(self) -> "ModelPredictive":
         """What does not change from plan to plan: all but the path, which may not be hashable."""
-        return replace(self, path=StraightLine())
+        return replace(self, path=paths.StraightLine())
 
     def init(self) -> PredictiveState:
         """Before the first control instant."""
@@ -300,9 +296,9 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, tuple[float, float]]:
         """The same, of the law that takes over."""
         heading = float(seen.mean[PSI])
-        law = LineOfSight(look_ahead_distance=self.look_ahead_distance)
+        law = guidance.LineOfSight(look_ahead_distance=self.look_ahead_distance)
         _, asked = law.step(None, frame, heading, 0.0, False)
-        turns = HeadingController(gain=self.gain, max_offset=self.max_offset)
+        turns = guidance.HeadingController(gain=self.gain, max_offset=self.max_offset)
         return asked, (self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0])
 
     def _heading(self, seen: ObserverState) -> float:
@@ -325,7 +321,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         Raises:
             ValueError: If the largest offset could take a joint beyond its limit.
         """
-        refuse_offset(robot, self.gait, self.max_offset)
+        path_following.refuse_offset(robot, self.gait, self.max_offset)
 
 
 def _turned(points: np.ndarray, angle: float) -> np.ndarray:

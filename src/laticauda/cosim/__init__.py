@@ -11,7 +11,7 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.cosim.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
-    from laticauda.cosim.native.library import export_c as export_c
+    from laticauda.cosim.native.tables import export_c as export_c
     from laticauda.cosim.messages import MESSAGE_BYTES as MESSAGE_BYTES, PROTOCOL_VERSION as PROTOCOL_VERSION
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session

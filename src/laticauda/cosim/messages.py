@@ -6,23 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NoReturn, TypeAlias, cast
 
-import numpy as np
-
-from laticauda import robot
-from laticauda.codec import decode, table_of, updated
+from laticauda import codec, gaits, interfaces, robot, scenarios
 from laticauda.errors import BadArgument, one_of, within
-from laticauda.gaits import Gait
 from laticauda.gaits.gait import FIRST_GAIT, Wave
-from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, Current, Robot, Water, load_robot
-from laticauda.scenarios import Choice, Scenario
 
 PROTOCOL_VERSION = 1
 """Goes up when a message that was answered is answered otherwise; new fields do not count."""
 MESSAGE_BYTES = 1 << 20
 """A request may be so long, its end of line included."""
-MOST_NUMBERS = 2_000_000  # in one answer: some 40 MB of text
 
 Message: TypeAlias = Mapping[str, Any]
 
@@ -50,14 +43,7 @@ def read_message(line: bytes) -> dict[str, Any]:
 
 
 def write_message(message: Message) -> bytes:
-    """An answer as one line, its end included.
-
-    Raises:
-        ValueError: If it has too many numbers.
-    """
-    count = sum(np.size(values) for values in message.get("series", {}).values())
-    if count > MOST_NUMBERS:
-        raise BadArgument("series", f"must hold {MOST_NUMBERS} numbers or fewer in one answer, got {count}")
+    """An answer as one line, its end included."""
     return json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
 
 
@@ -80,7 +66,7 @@ MOST_LINKS = 200
 LISTS = ("references", "enabled", "thrusts", "deflections")
 HELD = ("gait", "offset", "pitch_offset", *LISTS, "current")
 """Fields that `step` and `set` change."""
-NAMES = tuple(Choice.__dataclass_fields__)
+NAMES = tuple(scenarios.Choice.__dataclass_fields__)
 MODEL = ("joints", "dt", "ramp", "offset_bandwidth", "root")
 START = ("center_of_mass", "heading", "depth", "pitch", "roll")
 MADE_FROM = (*dict.fromkeys((*NAMES, *MODEL, *START)), "sample_interval", "coefficients", *HELD)
@@ -101,7 +87,7 @@ class _Held:
     current: Current = quantity("m/s", "Which the water moves to, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
 
 
-def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> Scenario:
+def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> scenarios.Scenario:
     """The world that a message asks for; fields that are left out have their defaults.
 
     Robots, waters and so on are named, and never read from a client's path.
@@ -115,34 +101,34 @@ def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: f
         BadKey: If a field is unknown or out of its range.
         ValueError: If fields do not go together.
     """
-    command = read_command(message, Command(gait=FIRST_GAIT))
+    command = read_command(message, interfaces.Command(gait=FIRST_GAIT))
     names, model = _given(message, NAMES), _given(message, MODEL)
     if isinstance(model.get("joints"), Mapping):
         del names["joints"]  # a law with numbers, and no name
     else:
         model.pop("joints", None)
-    start, choice = _given(message, START), decode(Choice, names)
+    start, choice = _given(message, START), codec.decode(scenarios.Choice, names)
     waters, parameters = (*robot.water_names(), TEXTBOOK), robot.parameter_names()
     presets = {"water": waters, "ground": robot.ground_names(), "parameters": parameters}
     for name, there in {"robot": (*robot.robot_names(), *own_robots), **presets}.items():
         if getattr(choice, name) is not None:
             one_of(name, getattr(choice, name), there)
     chosen = choice.resolved(command.gait, lambda name, n_links: _robot(own_robots.get(name), name, n_links))
-    water = table_of(message.get("coefficients") or {}, "coefficients") | _given(message, ("current",))
+    water = codec.table_of(message.get("coefficients") or {}, "coefficients") | _given(message, ("current",))
     if water and not isinstance(chosen.environment, Water):
         raise BadArgument("ground", "must not be given with `coefficients` or `current`")
-    return Scenario(
+    return scenarios.Scenario(
         robot=chosen.robot,
-        motion=OpenLoop(command=command),
-        environment=updated(chosen.environment, water | _held(water, "current")),
-        model=updated(chosen.model, model),
-        start=decode(Start, start | _held(start, "center_of_mass")),
+        motion=interfaces.OpenLoop(command=command),
+        environment=codec.updated(chosen.environment, water | _held(water, "current")),
+        model=codec.updated(chosen.model, model),
+        start=codec.decode(interfaces.Start, start | _held(start, "center_of_mass")),
         duration=duration,
         **_given(message, ("sample_interval",)),
     )
 
 
-def commanded(scenario: Scenario, message: Message) -> Scenario:
+def commanded(scenario: scenarios.Scenario, message: Message) -> scenarios.Scenario:
     """A world's scenario with another command or current.
 
     Args:
@@ -153,7 +139,7 @@ def commanded(scenario: Scenario, message: Message) -> Scenario:
         BadKey: If a field is unknown or out of its range.
         ValueError: If the robot is on the ground, where there is no current.
     """
-    motion, water = cast(OpenLoop, scenario.motion), scenario.environment
+    motion, water = cast(interfaces.OpenLoop, scenario.motion), scenario.environment
     if message.get("current") is not None:
         if not isinstance(water, Water):
             raise BadArgument("current", f"must be null on the ground, got {message['current']}")
@@ -163,7 +149,7 @@ def commanded(scenario: Scenario, message: Message) -> Scenario:
     return replace(scenario, motion=replace(motion, command=command), environment=water)
 
 
-def read_command(message: Message, held: Command) -> Command:
+def read_command(message: Message, held: interfaces.Command) -> interfaces.Command:
     """The command that a message leaves: its fields replace what is held, what it leaves out stays.
 
     Args:
@@ -181,7 +167,7 @@ def read_command(message: Message, held: Command) -> Command:
     }
     changes |= _held(lists, *said)
     if message.get("gait") is not None:
-        changes["gait"] = _gait(table_of(message["gait"], "gait"), held.gait)
+        changes["gait"] = _gait(codec.table_of(message["gait"], "gait"), held.gait)
     return replace(held, **changes)
 
 
@@ -197,7 +183,7 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
         raise BadArgument("current", "must not name a file: the server reads none for its clients")
     if isinstance(name := mine.get("current"), str):
         mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
-    checked = decode(_Held, mine)
+    checked = codec.decode(_Held, mine)
     return {name: getattr(checked, name) for name in mine}
 
 
@@ -206,11 +192,11 @@ def _robot(own: Robot | None, name: str, n_links: int | None) -> Robot:
     return found if n_links is None else found.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
 
 
-def _gait(table: dict[str, Any], held: Gait) -> Gait:
+def _gait(table: dict[str, Any], held: gaits.Gait) -> gaits.Gait:
     if not table.get("envelope", True):
         del table["envelope"]
     for name in {"pitch", "fin"} & table.keys():
         wave, at = table[name], f"gait.{name}"
         usual = {"amplitude": 0.0, "frequency": table.get("frequency", held.frequency)}
-        table[name] = None if wave is None or wave == [] else decode(Wave, usual | table_of(wave, at), at)
-    return updated(held, table, "gait")
+        table[name] = None if wave is None or wave == [] else codec.decode(Wave, usual | codec.table_of(wave, at), at)
+    return codec.updated(held, table, "gait")

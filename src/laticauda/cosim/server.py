@@ -5,15 +5,18 @@ import threading
 import time
 from collections.abc import Mapping
 
-from laticauda.cosim.messages import MESSAGE_BYTES, write_message
+from laticauda.access import Door
+from laticauda.cosim.budget import Budget
+from laticauda.cosim.messages import MESSAGE_BYTES, read_message, write_message
 from laticauda.cosim.session import Session
-from laticauda.errors import BadArgument, LaticaudaError, text, whole
+from laticauda.errors import BadArgument, LaticaudaError, whole
 from laticauda.robot import Robot
 
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
 PIECE = 1 << 16  # bytes read at a time
 SENDING = 30.0  # s that a client may take to read an answer
 IDLE = 600.0  # s that a client may say nothing
+GREETING = 10.0  # s until it has shown the token, where there is one
 DRAINING = 1.0  # s in which what was too long may still come in, so that the client gets to read why
 
 
@@ -25,7 +28,7 @@ class Server:
     """Any number of worlds, each with its client, over TCP; see docs/cosim-protocol.md.
 
     Args:
-        host: Where it listens; the default is this computer alone. The protocol knows no passwords.
+        host: Where it listens; the default is this computer alone. Beyond it, the first request must hold a token.
         port: 0: any that is free.
         max_clients: Others are told to come later.
         own_robots: Robots by name that clients may ask for besides the presets.
@@ -49,9 +52,10 @@ class Server:
     ) -> None:
         if whole("port", port, 0) > 65535:
             raise BadArgument("port", f"must be between 0 and 65535, got {port}")
-        self.host, self.port = text("host", host), port
+        self.host, self.port, self.door = host, port, Door.of(host)
+        """Whom it answers."""
         self.max_clients = whole("max_clients", max_clients, 1)
-        self._own_robots = dict(own_robots or {})
+        self._own_robots, self._budget = dict(own_robots or {}), Budget().shared(max_clients)
         self._socket: socket.socket | None = None
         self._clients: set[socket.socket] = set()
         self._lock = threading.Lock()
@@ -128,18 +132,35 @@ class Server:
             _shut(wire)
 
     def _talk(self, wire: socket.socket) -> None:
-        session = Session(self._own_robots)
+        session, is_known = Session(self._own_robots, self._budget), not self.door.token
+        greeting = threading.Timer(GREETING, _shut, (wire,))
+        greeting.daemon = True
+        if not is_known:
+            greeting.start()
         wire.settimeout(IDLE)
         with wire.makefile("rb") as stream:
             while (line := stream.readline(MESSAGE_BYTES)).endswith(b"\n"):
-                if line.strip() and not line.lstrip().startswith(b"{"):  # a web page, say, that speaks HTTP
-                    return _dismiss(wire, "A message must be a JSON object; this one is not. Good-bye.")
-                if line.strip():
+                if line := line.strip():
+                    if why := self._why_not(line, is_known=is_known):
+                        return _dismiss(wire, f"{why} Good-bye.")
+                    greeting.cancel()
+                    is_known = True
                     wire.settimeout(SENDING)
-                    wire.sendall(session.answer(line.strip()))
+                    wire.sendall(session.answer(line))
                     wire.settimeout(IDLE)
         if len(line) == MESSAGE_BYTES:
             _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
+
+    def _why_not(self, line: bytes, *, is_known: bool) -> str:
+        """Why nothing is done for a line, and its client hung up on; "" if it is answered."""
+        if not line.startswith(b"{"):  # a web page, say, that speaks HTTP
+            return "A message must be a JSON object; this one is not."
+        if not is_known:
+            try:
+                is_known = self.door.admits(read_message(line).get("token"))
+            except ValueError:
+                pass
+        return "" if is_known else "The first message must hold the `token` that the server printed."
 
 
 def _dismiss(wire: socket.socket, why: str) -> None:

@@ -17,12 +17,13 @@ import numpy as np
 import laticauda as lc
 from laticauda import codec, packaging, scenarios, series, simulate
 from laticauda.cosim import messages
+from laticauda.cosim.budget import Budget
 from laticauda.cosim.messages import Message
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive, within
 from laticauda.robot import Current, Robot, Water
 
 LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
-MOST_SAMPLES = 100_000  # of one request, and of a log: about 50 MB for nine links
+MOST_SAMPLES = 100_000  # of one request, and of a log
 MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
 PART = 0.3  # work for one part of a current, by that for a link
 LONGEST = 36_000.0  # s, of one request
@@ -43,6 +44,8 @@ class World:
     """The plant's."""
     log: "History"
     """Samples since it was made."""
+    budget: Budget
+    """What it may have in memory."""
     broken: str | None = None
     """Why it can go no further."""
 
@@ -53,9 +56,14 @@ class World:
 
 
 class History:
-    """Samples in pieces, the oldest thrown away where there are too many."""
+    """Samples in pieces, the oldest thrown away where there are too many.
 
-    def __init__(self) -> None:
+    Args:
+        most: How many numbers are kept [-].
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
         self.dropped = 0
         """Samples that were thrown away [-]."""
         self._parts: deque[Series] = deque()
@@ -65,10 +73,20 @@ class History:
         """Keep `part`."""
         self._parts.append({name: np.array(values) for name, values in part.series().items()})
         self._count += part.time.size
-        while self._count > MOST_SAMPLES and len(self._parts) > 1:
+        while self._count > self.capacity and len(self._parts) > 1:
             lost = self._parts.popleft()["time"].size
             self._count -= lost
             self.dropped += lost
+
+    @property
+    def width(self) -> int:
+        """Numbers in a sample [-]."""
+        return sum(values.size for values in self.last.values())
+
+    @property
+    def capacity(self) -> int:
+        """How many samples are kept [-]."""
+        return min(MOST_SAMPLES, self._most // self.width)
 
     @property
     def last(self) -> Series:
@@ -94,17 +112,19 @@ class History:
         return found
 
 
-def new_world(scenario: lc.Scenario) -> World:
+def new_world(scenario: lc.Scenario, budget: Budget) -> World:
     """A world at time 0.
 
     Args:
         scenario: What it is made from; its motion is a command.
+        budget: What it may have in memory.
 
     Raises:
         ValueError: If robot, water and command do not fit together.
     """
+    budget.check_kind(scenario)
     body = simulate.plant(scenario)
-    world = World(scenario=scenario, plant=body, state=None, log=History())
+    world = World(scenario=scenario, plant=body, state=None, log=History(budget.logged), budget=budget)
     world = replace(world, state=body.init(cast(lc.Start, scenario.start), world.command))
     world.log.add(_try(world).at(slice(1)))
     return world
@@ -115,7 +135,7 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
 
     Args:
         world: As it is.
-        message: With any of `requests.HELD`.
+        message: With any of `messages.HELD`.
         tried: Whether to find out at once if the plant takes the command; a step will find out by itself.
 
     Raises:
@@ -124,6 +144,7 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
     """
     scenario, body, state = messages.commanded(world.scenario, message), world.plant, world.state
     if scenario.environment is not world.scenario.environment:
+        world.budget.check_kind(scenario)
         body = simulate.plant(scenario)
         state = body.unpack(world.plant.pack(state))
     world = replace(world, scenario=scenario, plant=body, state=state)
@@ -145,19 +166,19 @@ def stepped(world: World, duration: float) -> World:
     if world.broken is not None:
         raise ValueError(f"{world.broken} `reset` begins anew.")
     interval = min(world.scenario.sample_interval, duration)
-    check_work(world.plant, duration, interval)
-    state, log, failure = world.plant.march(world.state, world.command, duration, interval)
-    if failure is not None:
-        return replace(world, broken=failure)
-    world.log.add(log.at(slice(1, None)))
+    with world.budget.turn_for(check_work(world, duration, interval)):
+        state, log, failure = world.plant.march(world.state, world.command, duration, interval)
+        if failure is not None:
+            return replace(world, broken=failure)
+        world.log.add(log.at(slice(1, None)))
     return replace(world, state=state)
 
 
-def check_work(plant: lc.Plant[Any], duration: float, sample_interval: float) -> None:
-    """Refuse what would keep a core busy for minutes, or fill the memory.
+def check_work(world: World, duration: float, sample_interval: float) -> int:
+    """How many numbers a step would log; refuse what would keep a core busy for minutes, or fill the memory.
 
     Args:
-        plant: What is to be stepped.
+        world: What is to be stepped.
         duration: How long [s].
         sample_interval: Between two samples [s].
 
@@ -165,15 +186,17 @@ def check_work(plant: lc.Plant[Any], duration: float, sample_interval: float) ->
         ValueError: If so.
     """
     within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
+    plant = world.plant
     dt, n, water = float(plant.settings.dt), plant.robot.n_links, plant.environment
     parts = len(water.flow.parts) if isinstance(water, Water) and water.flow else 0
     among = f" in a current of {parts} parts" if parts else ""
     for most, where in (
-        (MOST_SAMPLES * sample_interval, f"at a `sample_interval` of {sample_interval:g} s"),
+        (world.log.capacity * sample_interval, f"at a `sample_interval` of {sample_interval:g} s for {n} links"),
         (MOST_WORK / (n * (1.0 + PART * parts)) * dt, f"in one request for {n} links{among} and steps of {dt:g} s"),
     ):
         if duration > most:
             raise BadArgument("duration", f"must be <= {most:g} s {where}, got {duration:g}")
+    return int(duration / sample_interval) * world.log.width
 
 
 def _try(world: World) -> series.Log:
@@ -189,10 +212,11 @@ class Session:
 
     Args:
         own_robots: Robots by name that the server has besides the presets.
+        budget: What it may have in memory.
     """
 
-    def __init__(self, own_robots: Mapping[str, Robot] | None = None) -> None:
-        self._own_robots = own_robots or {}
+    def __init__(self, own_robots: Mapping[str, Robot] | None = None, budget: Budget | None = None) -> None:
+        self._own_robots, self._budget = own_robots or {}, budget or Budget().shared(1)
         self._world: World | None = None
         self._requests: dict[str, tuple[Callable[[Message], dict[str, Any]], tuple[str, ...]]] = {
             "reset": (self._reset, messages.MADE_FROM),
@@ -209,12 +233,16 @@ class Session:
         Args:
             line: The request, without its end.
         """
+        with self._budget.turn_for(len(line)):
+            return self._answered(line)
+
+    def _answered(self, line: bytes) -> bytes:
         tag: dict[str, Any] = {}
         try:
             message = messages.read_message(line)
             if "id" in message:
                 tag["id"] = message["id"]
-            return messages.write_message({**tag, **self._answer(message)})
+            return self._written({**tag, **self._answer(message)})
         except codec.BadKey as bad:
             return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
         except (ValueError, LaticaudaError) as error:
@@ -223,16 +251,23 @@ class Session:
             traceback.print_exc(file=sys.stderr)
             return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
 
+    def _written(self, message: Message) -> bytes:
+        count, most = sum(np.size(values) for values in message.get("series", {}).values()), self._budget.answered
+        if count > most:
+            raise BadArgument("series", f"must hold {most} numbers or fewer in one answer, got {count}")
+        with self._budget.turn_for(count):
+            return messages.write_message(message)
+
     def _answer(self, message: Message) -> dict[str, Any]:
         asked = message.get("protocol", messages.PROTOCOL_VERSION)
         if asked != messages.PROTOCOL_VERSION:
             raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, which it speaks, got {asked!r}")
         request, fields = self._requests[one_of("do", message.get("do"), tuple(self._requests))]
-        codec.check_keys(message, ("do", "id", "protocol", *fields))
+        codec.check_keys(message, ("do", "id", "protocol", "token", *fields))
         return request(message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
-        world = self._world = new_world(messages.read_scenario(message, self._own_robots))
+        world = self._world = new_world(messages.read_scenario(message, self._own_robots), self._budget)
         return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
@@ -260,8 +295,9 @@ class Session:
             one_of("series", name, tuple(series.SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
         scenario = messages.read_scenario(message, self._own_robots, duration)
-        check_work(simulate.plant(scenario), scenario.duration, scenario.sample_interval)
-        trial = simulate.swim(scenario)
+        numbers = check_work(new_world(scenario, self._budget), scenario.duration, scenario.sample_interval)
+        with self._budget.turn_for(numbers):
+            trial = simulate.swim(scenario)
         found: dict[str, Any] = {"figures": trial.summary()}
         if names:
             found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}

@@ -142,13 +142,7 @@ class Plant(ABC, Generic[ModelType]):
         return self.advance(state, command, dt, dt)[0]
 
     def march(
-        self,
-        state: PlantState,
-        command: Command,
-        duration: float,
-        sample_interval: float,
-        *,
-        link_forces: bool = False,
+        self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
     ) -> tuple[PlantState, Log, str | None]:
         """Many steps at once under one command.
 

@@ -7,8 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda.estimation.digital_twin import TwinState
-from laticauda.estimation.samples import Sample
+from laticauda.estimation import digital_twin, samples
 from laticauda.quantities import quantity, value
 
 # The filter runs hundreds of times a second: shapes are in the docstrings, and are not checked at run time.
@@ -145,7 +144,7 @@ class FilterState:
     """When the last frame that was accepted was taken; -inf before [s]."""
     n_rejected: int = 0
     """Frames in a row that were rejected [-]."""
-    twin: TwinState | None = None
+    twin: digital_twin.TwinState | None = None
     """The digital twin; None without one."""
     twin_failed: bool = False
     """Whether the twin had to be given up [-]."""
@@ -155,7 +154,7 @@ class FilterState:
 class EstimatorState:
     """The estimator's state: the filter now, and the last few samples with the filter after each."""
 
-    history: tuple[tuple[Sample | None, FilterState], ...]
+    history: tuple[tuple[samples.Sample | None, FilterState], ...]
     """Oldest first; the first one has no sample."""
     n_outliers: int = 0
     """Frames that were not accepted so far [-]."""

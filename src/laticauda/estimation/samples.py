@@ -14,8 +14,7 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, finite, instance, not_negative
 from laticauda.interfaces import Observation
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot
-from laticauda.robot.body import reduce_to_plane
+from laticauda.robot import Robot, body
 
 Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
 Vector: TypeAlias = Float[np.ndarray, " _"]
@@ -143,7 +142,7 @@ class Mount:
         instance("robot", robot, Robot)
         if self.module >= len(robot.modules):
             raise BadArgument("module", f"must be < {len(robot.modules)}, the number of modules, got {self.module}")
-        plane = reduce_to_plane(robot.modules, robot.joints)
+        plane = body.reduce_to_plane(robot.modules, robot.joints)
         along, across = self.offset[:2]
         return plane.link[self.module], (plane.shift[self.module] + along, across)
 

@@ -25,11 +25,11 @@ from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law, OfFunction
 from laticauda.quantities import option, told, value
 
-FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.vortices") | {
+FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.eddies") | {
     **dict.fromkeys(("uniform", "linear-shear", "power-law-shear"), "laticauda.fluid.uniform"),
     "waves": "laticauda.fluid.waves",
     "sea": "laticauda.fluid.waves",
-    "turbulence": "laticauda.fluid.turbulence",
+    "turbulence": "laticauda.fluid.eddies",
     "gridded": "laticauda.fluid.gridded",
 }
 """Where the flows are that come with the package; they are imported when one is named."""

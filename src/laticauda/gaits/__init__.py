@@ -5,16 +5,11 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.gaits.envelopes import GAIT_WORDS as GAIT_WORDS, Anguilliform as Anguilliform, Custom as Custom
-    from laticauda.gaits.envelopes import (
-        EelLike as EelLike,
-        Envelope as Envelope,
-        LateralUndulation as LateralUndulation,
-    )
-    from laticauda.gaits.envelopes import envelope_of as envelope_of, kinds as kinds
-    from laticauda.gaits.gait import Gait as Gait, Wave as Wave, custom_gait as custom_gait
-    from laticauda.gaits.gait import eel_like as eel_like, lateral_undulation as lateral_undulation
-    from laticauda.gaits.gait import recorded_gait as recorded_gait
+    from laticauda.gaits.gait import GAIT_WORDS as GAIT_WORDS, Anguilliform as Anguilliform, Custom as Custom
+    from laticauda.gaits.gait import EelLike as EelLike, Envelope as Envelope, Gait as Gait
+    from laticauda.gaits.gait import LateralUndulation as LateralUndulation, Wave as Wave, custom_gait as custom_gait
+    from laticauda.gaits.gait import eel_like as eel_like, envelope_of as envelope_of, kinds as kinds
+    from laticauda.gaits.gait import lateral_undulation as lateral_undulation, recorded_gait as recorded_gait
     from laticauda.gaits.generator import Generator as Generator, GeneratorState as GeneratorState
     from laticauda.gaits.recorded import JointAngles as JointAngles
     from laticauda.gaits.reference import WaveState as WaveState

@@ -1,14 +1,145 @@
-"""What the joints are asked to do: the paper's gait (3) and its envelopes."""
+"""What the joints are asked to do: the paper's gait (3), and its envelopes g(i, n), which spread the amplitude.
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+An envelope says how the amplitude of the joints is spread along the body; a kind of gait is a kind of envelope.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from math import pi, radians
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
 
-from laticauda.errors import BadArgument, finite, whole
-from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
+from laticauda.errors import BadArgument, finite, shown, whole
+from laticauda.extensions import Extensible, name_of
 from laticauda.gaits.recorded import JointAngles
 from laticauda.gaits.reference import WaveTarget
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, several, value
+
+# ---- envelopes ------------------------------------------------------------------------------------------------------
+
+
+class Envelope(Extensible, group="envelopes"):
+    """Base of envelopes: a kind of gait is one class below it, known by the class's name.
+
+    Example:
+        >>> from laticauda.gaits import Envelope
+        >>> Envelope.named("eel-like")()(1, 4)
+        0.6
+    """
+
+    words: ClassVar[str] = ""
+    """What tables and figures call such a gait; "": its name."""
+
+    def __call__(self, i: int, n: int) -> float:
+        """g of one joint.
+
+        Args:
+            i: Of the joint; 1 is the tail-most.
+            n: Number of links.
+        """
+        raise NotImplementedError
+
+    def joints(self, n_links: int) -> tuple[float, ...]:
+        """g of each of the n - 1 joints, tail first.
+
+        Args:
+            n_links: n.
+
+        Raises:
+            ValueError: If it is for another number of joints.
+        """
+        return _spread(self, n_links)
+
+    @property
+    def kind(self) -> str:
+        """Its name as Python spells it, `eel_like`."""
+        return name_of(type(self)).replace("-", "_")
+
+
+@value
+class LateralUndulation(Envelope):
+    """The same amplitude everywhere, g(i, n) = 1."""
+
+    words: ClassVar[str] = "lateral undulation"
+
+    def __call__(self, i: int, n: int) -> float:
+        """1."""
+        return 1.0
+
+
+@value
+class EelLike(Envelope):
+    """Growing from head to tail, g(i, n) = (n-i)/(n+1)."""
+
+    words: ClassVar[str] = "eel-like motion"
+
+    def __call__(self, i: int, n: int) -> float:
+        """(n-i)/(n+1)."""
+        return (n - i) / (n + 1)
+
+
+@value
+class Anguilliform(EelLike):
+    """Eel-like motion whose tail-most joint does the whole amplitude, g(i, n) = (n-i)/(n-1)."""
+
+    words: ClassVar[str] = "anguilliform motion"
+
+    def __call__(self, i: int, n: int) -> float:
+        """(n-i)/(n-1)."""
+        return (n - i) / (n - 1)
+
+
+@value
+class Custom(Envelope):
+    """Values of one's own, for robots with as many joints."""
+
+    words: ClassVar[str] = "custom gait"
+
+    values: tuple[float, ...] = quantity("", "g of every joint, tail first")
+
+    def __call__(self, i: int, n: int) -> float:
+        """The value of that joint."""
+        return self.joints(n)[i - 1]
+
+    def joints(self, n_links: int) -> tuple[float, ...]:
+        """The values, if there are as many as joints of `n_links` links."""
+        if len(self.values) != n_links - 1:
+            need = f"one value per joint, {n_links - 1} for {n_links} links"
+            raise BadArgument("envelope", f"must have {need}, got {len(self.values)}")
+        return self.values
+
+
+GAIT_WORDS = {kind().kind: kind.words for kind in (LateralUndulation, EelLike)}
+"""What tables and figures call the paper's two kinds."""
+
+
+def envelope_of(kind: str) -> Envelope:
+    """An envelope by the name of its kind.
+
+    Args:
+        kind: As `eel_like` or `eel-like`; one that a name alone tells (`kinds`).
+
+    Raises:
+        ValueError: If there is no such kind, or it needs values.
+    """
+    if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
+    found = Envelope.named(kind.replace("_", "-"))
+    if found is Custom:
+        raise BadArgument("kind", f"must be an envelope that needs no values, got `{kind}`; take `Custom(values=...)`")
+    return found()
+
+
+def kinds() -> tuple[str, ...]:
+    """The kinds of gait that a name alone tells, as `eel_like`."""
+    return tuple(name.replace("-", "_") for name in Envelope.names() if name != name_of(Custom))
+
+
+@lru_cache(maxsize=64)  # a sweep asks for the same few a million times
+def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
+    return tuple(float(envelope(i, n_links)) for i in range(1, n_links))
+
+
+# ---- waves and gaits ------------------------------------------------------------------------------------------------
 
 
 class WaveFields(TypedDict, total=False):
@@ -64,7 +195,7 @@ class Gait:
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
     and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its envelope: lateral_undulation (g = 1),
-    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`laticauda.gaits.envelopes`). Angles that were recorded
+    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`Envelope`). Angles that were recorded
     add to the wave as they are, without its smooth start (`recorded_gait`).
 
     Raises:
@@ -182,10 +313,7 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
 
 
 def custom_gait(
-    *,
-    envelope: Callable[[int, int], float] | Sequence[float],
-    n_links: int | None = None,
-    **fields: Unpack[GaitFields],
+    *, envelope: Callable[[int, int], float] | Sequence[float], n_links: int | None = None, **fields: Unpack[GaitFields]
 ) -> Gait:
     """Body waves with an envelope of one's own.
 
@@ -209,7 +337,8 @@ def custom_gait(
         n = whole("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
-    gait = Gait(envelope=Custom(values=_numbers(envelope)), **fields)
+    values = several(finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope)
+    gait = Gait(envelope=Custom(values=values), **fields)
     if n_links is not None:
         gait.joint_envelope(whole("n_links", n_links, 1))
     return gait
@@ -229,11 +358,3 @@ def recorded_gait(angles: JointAngles, **fields: Any) -> Gait:
     """
     given: dict[str, Any] = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
     return Gait(**given | fields, recorded=angles)
-
-
-def _numbers(envelope: object) -> tuple[float, ...]:
-    """The values of an envelope as finite floats."""
-    if isinstance(envelope, str) or not isinstance(envelope, Iterable):
-        raise BadArgument("envelope", f"must be a sequence of numbers or a function g(i, n), got {envelope!r}")
-    values = cast("Iterable[object]", envelope)
-    return tuple(finite(f"envelope[{i}]", value) for i, value in enumerate(values))

@@ -136,10 +136,7 @@ def advance_time(time: float, rest: float, dt: float) -> tuple[float, float]:
 
 
 def wave_motion(
-    wave: WaveState,
-    target: tuple[float, float, float, float],
-    bandwidth: float,
-    ramp: tuple[float, float, float],
+    wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, ramp: tuple[float, float, float]
 ) -> WaveMotion:
     """What the joints of a wave have in common.
 

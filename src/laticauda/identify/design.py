@@ -173,12 +173,7 @@ def _swimming_alone(
     return sigma_of(known + np.sum(added[mine][chosen], axis=0))
 
 
-def best_of(
-    added: np.ndarray,
-    known: np.ndarray,
-    n_trials: int,
-    score: Callable[[np.ndarray], float],
-) -> list[int]:
+def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable[[np.ndarray], float]) -> list[int]:
     """Numbers of the candidates to take, in order: greedily, then by exchange, then ordered greedily again.
 
     Args:

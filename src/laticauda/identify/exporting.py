@@ -7,11 +7,10 @@ from typing import Any, cast
 import numpy as np
 
 import laticauda as lc
+from laticauda import extensions, quantities
 from laticauda.errors import BadArgument
-from laticauda.extensions import name_of
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import with_tied
-from laticauda.quantities import quantities_of
 from laticauda.robot.parameters import GAITS, NAMES, OF_ROBOT
 from laticauda.simulate.numbers import changed, parameters
 
@@ -52,7 +51,7 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc
     return lc.Parameters(
         name=name,
         title=title,
-        joints=joints if quantities_of(type(joints)) else name_of(type(joints)),
+        joints=joints if quantities.quantities_of(type(joints)) else extensions.name_of(type(joints)),
         every_gait=common,
         own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
         changes=changes,

@@ -8,8 +8,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.errors import BadArgument, SimulationFailed
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, SimulationFailed, optional_import
 from laticauda.identify import identifiability, result, unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import Predicted, predict, scaled_jacobian
@@ -295,10 +294,7 @@ def minimize(
 
 
 def all_residuals(
-    problem: Problem,
-    values: Float[np.ndarray, " n_unknowns"],
-    factor: float = 1.0,
-    predicted: Predicted | None = None,
+    problem: Problem, values: Float[np.ndarray, " n_unknowns"], factor: float = 1.0, predicted: Predicted | None = None
 ) -> Float[np.ndarray, " n_residuals"]:
     """Those of the data and of the priors, in standard deviations.
 

@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import BadArgument, finite, instance, one_of, positive, whole
+from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import quantity, value
+from laticauda.quantities import LARGEST, Quantity, quantity, value
+from laticauda.series import numbers
 from laticauda.simulate.numbers import UNITS
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
@@ -81,6 +82,8 @@ class Measurement:
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise BadArgument("name", f"must be a text that is not empty, got {self.name!r}")
         instance("scenario", self.scenario, lc.Scenario)
+        instance("figures", self.figures, Mapping)
+        instance("series", self.series, Mapping)
         instance("scenario.motion", self.scenario.motion, lc.Gait)
         instance("scenario.start", self.scenario.start, lc.Start)
         checked: dict[str, Any] = {
@@ -104,7 +107,7 @@ class Measurement:
         known = one_of(f"figures` of `{self.name}", name, tuple(units))
         where = f"figures[{known!r}]` of `{self.name}"
         value, sigma = _pair(where, pair)
-        return finite(where, value, units[known]), positive(f"sigma of {where}", sigma, units[known])
+        return Quantity(unit=units[known], text="").checked(where, value), _noise(where, sigma, units[known])
 
     def _checked_time(self, given: object) -> Numbers:
         time = _frozen(f"time` of `{self.name}", given)
@@ -124,7 +127,7 @@ class Measurement:
         if values.ndim != n_axes or len(values) != n or (known == "center_of_mass" and values.shape[1] != 2):
             shape = f"({n},)" if n_axes == 1 else f"({n}, {2 if known == 'center_of_mass' else 'n_joints'})"
             raise BadArgument(where, f"must have the shape {shape}, got {values.shape}")
-        return values, positive(f"sigma of {where}", sigma, SERIES[known])
+        return values, _noise(where, sigma, SERIES[known])
 
     @property
     def starts(self) -> dict[str, tuple[float, float] | None]:
@@ -280,11 +283,17 @@ def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:
     return pair[0], pair[1]
 
 
+def _noise(where: str, sigma: object, unit: str) -> float:
+    return Quantity(unit=unit, text="", gt=0.0).checked(f"sigma of {where}", sigma)
+
+
 def _frozen(name: str, given: object) -> np.ndarray:
     """A copy of an array of finite numbers that nobody can write to."""
-    values = np.array(given, dtype=float)
-    if not np.all(np.isfinite(values)):
-        at = int(np.argwhere(~np.isfinite(values))[0][0]) if values.ndim else 0
-        raise BadArgument(name, f"must be finite numbers; sample {at} is {values[at] if values.ndim else values}")
+    values = np.array(numbers(name, given))
+    usable = np.abs(values) <= LARGEST  # and no nan
+    if not np.all(usable):
+        at = int(np.argwhere(~usable)[0][0]) if values.ndim else 0
+        rule = f"must be finite numbers up to {LARGEST:g}"
+        raise BadArgument(name, f"{rule}; sample {at} is {values[at] if values.ndim else values}")
     values.setflags(write=False)
     return values

@@ -13,14 +13,12 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify import unknowns
-from laticauda.identify.measurements import Measurement, measured_values
-from laticauda.identify.measurements import Run as Raw
+from laticauda.identify.measurements import Measurement, Run as Raw, measured_values
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import derivatives, many, several
-from laticauda.simulate.numbers import UNITS, changed
+from laticauda.simulate import derivatives, many, numbers, several
 from laticauda.trial import Trial
 
 TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
@@ -115,7 +113,7 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
             with_joints=_needs_joints(problem, members),
         )
         for place, i in enumerate(members):
-            raw[i] |= {name: found.figures[name][place] for name in UNITS}
+            raw[i] |= {name: found.figures[name][place] for name in numbers.UNITS}
             if not found.succeeded[place]:
                 failures[problem.measurements[i].name] = found.status[place]
                 raw[i] = {name: np.full(np.shape(value), np.nan) for name, value in raw[i].items()}
@@ -151,7 +149,7 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
             with_joints=_needs_joints(problem, members),
         )
         for place, (i, k) in enumerate(pairs):
-            mine[place] |= {name: found.figures[name][place] for name in UNITS}
+            mine[place] |= {name: found.figures[name][place] for name in numbers.UNITS}
             predicted = measured_values(problem.measurements[i], mine[place], problem.nuisance(i, values))
             jacobian[data_of[i], k] = np.imag(predicted) / STEP if found.succeeded[place] else np.nan
     return jacobian
@@ -186,7 +184,7 @@ def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values
 
 
 def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: float) -> Scenario:
-    return changed(scenario, unknowns.with_tied(scenario, name, value, tied))
+    return numbers.changed(scenario, unknowns.with_tied(scenario, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:

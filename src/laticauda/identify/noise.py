@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.extras import optional_import
+from laticauda.errors import optional_import
 from laticauda.identify.problem import Problem
 
 _SURE = 3.1  # standard deviations; white noise is that far off once in 1000 times

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import BadArgument, instance
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, instance, optional_import
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown

@@ -9,8 +9,7 @@ from typing import Any, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, one_of
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, one_of, optional_import
 from laticauda.identify import measurements, model
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
@@ -228,7 +227,7 @@ class Fit:
 
         Args:
             figure: Its name.
-            predictions: As its own, which None takes; where one is nan, so is the error.
+            predictions: As its own, which None takes; where one is nan, so is the error; also if all are 0.
 
         Raises:
             ValueError: If it was not measured.
@@ -236,7 +235,8 @@ class Fit:
         at = self.places_of(figure)
         measured = self.problem.observed[at]
         off = (self.predictions if predictions is None else predictions)[at] - measured
-        return 100.0 * float(np.mean(np.abs(off[measured != 0.0] / measured[measured != 0.0])))
+        shares = np.abs(off[measured != 0.0] / measured[measured != 0.0])
+        return 100.0 * float(np.mean(shares)) if shares.size else math.nan
 
     def robot(self, robot: Robot, gait_kind: str) -> Robot:
         """A robot with what was identified of it.

@@ -11,7 +11,7 @@ import laticauda as lc
 from laticauda.errors import RobotFileError, TrialFileError, one_of, positive
 from laticauda.identify.measurements import Measurement
 from laticauda.scenarios import scenario
-from laticauda.trial import MeasuredTrials, null_models, speeds
+from laticauda.trial import MeasuredTrials, measured, null_models
 
 TABLE_SIGMA = 0.05
 """Noise of a table's numbers as a share of each value, unless one says otherwise; the paper states none [-]."""
@@ -55,7 +55,7 @@ def from_table1(
 def from_table(
     file: str | Path, figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, robot: str = "mamba"
 ) -> tuple[Measurement, ...]:
-    """Speeds or powers of one's own, from a CSV file with one row a trial; `laticauda.trial.speeds` says its columns.
+    """Speeds or powers of one's own, from a CSV file with one row a trial; `laticauda.trial.measured` says its columns.
 
     Args:
         file: Where it is.
@@ -70,7 +70,7 @@ def from_table(
     positive("sigma", sigma)
     is_speed = one_of("figure", figure, FIGURES) == FIGURES[0]
     robots, seen, found = cache(_robot), Counter[str](), list[Measurement]()
-    for row in speeds.load_speeds(file):
+    for row in measured.load_speeds(file):
         value, own = (row.v_m_s, row.v_sigma_m_s) if is_speed else (row.P_avg_W, row.P_sigma_W)
         if value is None:
             continue

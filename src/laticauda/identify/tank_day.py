@@ -16,7 +16,6 @@ with the sum of squares Q of data and priors, the covariance C of the unknowns a
 priors. Q and C count the noise k times as great as stated where the best law leaves residuals of k > 1 times that.
 """
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,8 +26,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda import codec, files, packaging
-from laticauda.errors import RobotFileError, TrialFileError
-from laticauda.extras import optional_import
+from laticauda.errors import RobotFileError, TrialFileError, optional_import
 from laticauda.gaits import JointAngles, recorded_gait
 from laticauda.identify import candidates, fitting, measurements, result
 from laticauda.identify.unknowns import Unknown
@@ -311,7 +309,7 @@ def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
     law = None if found.joints is None else found.joints.problem.scenarios_at(found.joints.best)[0].model.joints
     (kept if law is None else replace(kept, joints=law)).save(place / "parameters.toml")
     files.write(place / "summary.md", words(found) + "\n")
-    files.write(place / "summary.json", json.dumps(facts(found), indent=2, allow_nan=False) + "\n")
+    files.write(place / "summary.json", files.to_json(facts(found)) + "\n")
     return sorted(one.name for one in place.iterdir())
 
 

@@ -24,7 +24,7 @@
     interval = 0.5                         # between the samples of series that count [s]
     free_start = true                      # identify where it began too, if the path counts
 
-    [table]                                # speeds, one row a trial: a CSV file, see `laticauda.trial.speeds`
+    [table]                                # speeds, one row a trial: a CSV file, see `laticauda.trial.measured`
     file = "speeds.csv"
     sigma = 0.05                           # of rows that do not say their own, as a share
 
@@ -46,7 +46,7 @@ from laticauda import codec, scenarios
 from laticauda.errors import BadArgument, RobotFileError, label, one_of
 from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
-from laticauda.identify.result import Fit
+from laticauda.identify.result import Fit, Method
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
 from laticauda.quantities import one_among, option, quantity, value
@@ -127,7 +127,7 @@ class TrialFile:
 class TableFile:
     """A file with one row a trial."""
 
-    file: str = option("Where it is; `laticauda.trial.speeds` says its columns")
+    file: str = option("Where it is; `laticauda.trial.measured` says its columns")
     figure: str = option("forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES))
     sigma: float = quantity("", "Noise of rows that do not say their own, as a share", default=TABLE_SIGMA, gt=0.0)
 
@@ -248,6 +248,11 @@ def load_task(path: str | Path) -> Task:
     table = read_table(file)
     with codec.keys_of(file, RobotFileError):
         task = task_from_table(table, file.stem, file.parent)
+        try:
+            Method(**{name: given for name, given in task.options.items() if name in Method.__dataclass_fields__})
+            scenarios.model_of(task.options.get("model", "planar"), joints=task.options.get("joints", "prescribed"))
+        except BadArgument as error:
+            raise codec.BadKey(error.name.removeprefix("n_"), error.rule) from None
     return replace(task, sources=(file, *task.sources))
 
 

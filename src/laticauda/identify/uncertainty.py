@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of, whole
-from laticauda.extras import optional_import
+from laticauda.errors import one_of, optional_import, whole
 from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress

@@ -9,6 +9,7 @@ A schedule is a list of tables ``[[faults]]``, each with the fields of `Fault`:
 """
 
 import math
+import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -17,20 +18,9 @@ from laticauda import codec, files, protocol
 from laticauda.errors import BadArgument, LaticaudaError, one_of
 from laticauda.quantities import option, quantity, value
 
-KINDS = {
-    "frame_loss": "frames on the bus are lost, a `share` of them",
-    "frame_corruption": "frames on the bus arrive with wrong bytes, a `share` of them",
-    "bus_off": "a node neither sends nor hears",
-    "dead_module": "a node has no power; when it comes back, it starts up anew",
-    "stuck_servo": "a joint is jammed where it stands",
-    "leak": "water in a module",
-    "over_temperature": "a motor is as hot as `temperature`",
-    "body_lost": "the cameras do not see the markers",
-    "mocap_silent": "the cameras' server sends nothing",
-    "meter_silent": "the meter answers nothing",
-    "late_computer": "frames of the operator's computer arrive late by `delay`",
-}
-ON_NODES = ("frame_loss", "frame_corruption", "bus_off", "dead_module", "stuck_servo", "leak", "over_temperature")
+_KINDS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
+KINDS: dict[str, str] = {kind: one["says"] for kind, one in _KINDS.items()}
+ON_NODES = tuple(kind for kind, one in _KINDS.items() if one.get("at_a_module"))
 
 
 class FaultFileError(LaticaudaError, ValueError):

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.actuation.laws import Drive, Servo
-from laticauda.kinematics import ModulePoses, turn
+from laticauda.kinematics import ModulePoses, from_quaternion, turn
 from laticauda.lab import nodes, virtual_robot
 from laticauda.lab.settings import LabSettings, MocapSettings, SupplySettings
 from laticauda.protocol import BodyPose, MeterReading, MocapFrame, meter
@@ -87,13 +87,9 @@ class Cameras:
 
 
 def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
-    """The rotation about a vector by its length [rad] (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = vector / angle
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
+    """The rotation about a vector by its length [rad]."""
+    half = 0.5 * float(np.linalg.norm(vector))
+    return from_quaternion(math.cos(half), *(0.5 * float(np.sinc(half / math.pi)) * vector))
 
 
 IDENTITY = "FLUKE 289,V1.16,00000007"  # model, software, serial number
@@ -269,19 +265,10 @@ class Electronics:
         torque = self._stall_torque / self._stall_current * current
         load = truth.joint_torque + s.torque_noise * noise[3]
         acceleration = self._acceleration + s.acceleration_noise * noise[4:].T
-        columns = {
-            "angle": angle,
-            "rate": rate,
-            "current": current,
-            "duty": self.duty,
-            "torque": torque,
-            "load": load,
-            "acceleration": acceleration,
-            "temperature": self.temperature,
-            "leak": leaks,
-        }
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        return [nodes.Senses(**dict(zip(columns, row, strict=True)), voltage=self.voltage) for row in rows]
+        names = ("angle", "rate", "current", "duty", "torque", "load", "acceleration", "temperature", "leak")
+        columns = angle, rate, current, self.duty, torque, load, acceleration, self.temperature, leaks
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return [nodes.Senses(**dict(zip(names, row, strict=True)), voltage=self.voltage) for row in rows]
 
     def _heat(self, dt: float) -> None:
         """C dT/dt = R I^2 - (T - T_water) / R_th, with R = V / I_stall."""

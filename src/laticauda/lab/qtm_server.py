@@ -2,10 +2,12 @@
 
 import asyncio
 import threading
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from laticauda.errors import LaticaudaError
+from laticauda.errors import LaticaudaError, hostname
 from laticauda.lab.instruments import BODY, MARKERS
 from laticauda.protocol import MocapFrame, ProtocolError, qtm
 
@@ -13,7 +15,7 @@ LOOPBACK = "127.0.0.1"
 MOST_CLIENTS = 16
 MOST_WAITING = 1 << 20  # bytes that a client may leave unread before it misses frames
 OLDEST, NEWEST = (1, 8), (1, 25)
-MASTER = "You are now master"
+ANSWERS = tomllib.loads(Path(__file__).with_name("qtm_answers.toml").read_text())
 PARSE_ERROR = qtm.encode_text("Parse error", qtm.PacketType.ERROR)
 
 
@@ -45,7 +47,7 @@ class QtmServer:
     """
 
     def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:
-        self.rate, self.host, self.port = rate, host, port
+        self.rate, self.host, self.port = rate, hostname("host", host), port
         self._latest: MocapFrame | None = None
         self._clients: set[_Client] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -111,6 +113,7 @@ class QtmServer:
             while data := await reader.read(65536):
                 for kind, payload in client.reader.feed(data):
                     self._answer(client, kind, qtm.decode_text(payload))
+                await writer.drain()  # who asks and does not read is not answered further
         except (ProtocolError, OSError):
             pass  # whoever speaks something else is hung up on
         finally:
@@ -126,20 +129,15 @@ class QtmServer:
         def says(text: str) -> Callable[[_Client, Sequence[str]], bytes]:
             return lambda client, words: qtm.encode_text(text)
 
-        return {
+        def state(client: _Client, words: Sequence[str]) -> bytes:
+            return qtm.encode_event(qtm.Event.CONNECTED)
+
+        return {word: says(text) for word, text in ANSWERS.items()} | {
             "version": self._version,
-            "qtmversion": says("QTM Version is that of laticauda's virtual tank"),
-            "byteorder": says("Byte order is little endian"),
-            "getstate": lambda client, words: qtm.encode_event(qtm.Event.CONNECTED),
+            "getstate": state,
             "getparameters": self._parameters,
             "getcurrentframe": self._current_frame,
             "streamframes": self._stream_frames,
-            "takecontrol": says(MASTER),
-            "releasecontrol": says("You are now a regular client"),
-            "new": says("Already connected"),
-            "start": says("Starting measurement"),
-            "stop": says("Stopping measurement"),
-            "close": says("Closing connection"),
         }
 
     def _version(self, client: _Client, words: Sequence[str]) -> bytes:

@@ -117,8 +117,8 @@ class Lab:
             self._thread.join(5.0)
         self._wires.close()
 
-    def start(self) -> LabAddresses:
-        """Open all wires, and let time go on in a thread of its own until `close`; see `open`."""
+    def __enter__(self) -> LabAddresses:
+        """Open all wires, and let time go on in a thread of its own until the end of the block; see `open`."""
         addresses = self.open()
 
         def run() -> None:
@@ -130,10 +130,6 @@ class Lab:
         self._thread = threading.Thread(target=run, name="lab", daemon=True)
         self._thread.start()
         return addresses
-
-    def __enter__(self) -> LabAddresses:
-        """As `start`."""
-        return self.start()
 
     def __exit__(self, *_: object) -> None:
         """As `close`; raises what went wrong in the thread meanwhile."""

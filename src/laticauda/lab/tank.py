@@ -6,6 +6,7 @@ and takes away what there is to send. So a campaign runs as fast as it can, and 
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 
@@ -233,10 +234,7 @@ class Tank:
         return decode(identifier, self._wire.bytes(len(data)))
 
 
-HELP = (
-    "Lines: a fault (" + ", ".join(KINDS) + ") with node=, duration=, share=, delay=, temperature=; `clear` ends all "
-    "faults; `carry X Y HEADING_DEG [DEPTH]` puts the robot back; `truth` says where it is."
-)
+HELP = Path(__file__).with_name("help.txt").read_text().strip().format(kinds=", ".join(KINDS))
 
 
 def assist(tank: Tank, line: str) -> str:

@@ -34,7 +34,7 @@ from laticauda import codec, files, gaits
 from laticauda.errors import BadArgument, TrialFileError, finite, one_of, shown
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios import scenario_files
+from laticauda.scenarios.toml import NAMES, take_chosen
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
@@ -271,7 +271,7 @@ def _column_map(table: codec.Table, folder: Path) -> ColumnMap:
     if "robot" not in table:
         raise codec.BadKey("robot", "is missing; every column map needs it")
     known = [one.name for one in fields(ColumnMap) if one.name != "environment"]
-    codec.check_keys(table, [*known, *scenario_files.NAMES])
+    codec.check_keys(table, [*known, *NAMES])
     gait = codec.decode(gaits.Gait, table.pop("gait"), "gait") if "gait" in table else None
-    chosen = scenario_files.take_chosen(table, gait or STRAIGHT, folder)
+    chosen = take_chosen(table, gait or STRAIGHT, folder)
     return codec.decode(ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait})

@@ -42,7 +42,8 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
     path = files.local(path)
     if columns is not None:
         given = columns if isinstance(columns, column_maps.ColumnMap) else column_maps.load_column_map(columns)
-        with _failures_of(path):
+        by = path if columns is given else f"{path} by {columns}"
+        with _failures_of(by):
             return measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
     form = trial.Format.of(path)
     if not form.is_whole:
@@ -87,7 +88,7 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
 
 
 @contextmanager
-def _failures_of(path: Path) -> Generator[None]:
+def _failures_of(path: object) -> Generator[None]:
     """Within it, what goes wrong is said of that file."""
     try:
         yield

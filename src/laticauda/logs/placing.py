@@ -1,7 +1,5 @@
 """Where a robot was and how it was bent, from the columns of somebody's log: units, axes, kinematics, gaps."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import dataclass, field

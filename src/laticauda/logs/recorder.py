@@ -5,8 +5,6 @@ refuse files of mixed encodings, so even what has no ROS type of its own travels
 ROS, with its data as JSON. Units stand in the metadata of each channel, under "unit". `recording` reads it again.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import struct
@@ -16,8 +14,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any, BinaryIO, Self
 
-from laticauda.errors import BadArgument, StorageFailed, finite, positive
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, StorageFailed, finite, optional_import, positive
 from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
@@ -85,7 +82,8 @@ class Recorder:
         try:
             self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
         except OSError as error:
-            raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
+            reason = (error.strerror or str(error)).lower()
+            raise StorageFailed(f"Cannot write {path}: {reason}; name another place.") from error
         # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
         self._writer = Writer(self._file, chunk_size=1 << 40)
         self._schemas: dict[str, int] = {}

@@ -1,7 +1,5 @@
 """Reading MCAP files, of any writer: also those that were never completed, because the program was killed."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -60,6 +58,7 @@ class Recording:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._decoders: dict[int, Callable[[bytes], Any]] = {}
+        self._end = self._told = 0
         lost, counts, times = list[str](), Counter[str](), (math.inf, 0)
         for channel, time, _ in self._contents(lost):
             counts[channel.topic] += 1
@@ -74,25 +73,37 @@ class Recording:
         self.lost = f"{path.name} is not whole: {'; '.join(lost)}." if lost else ""
         """What is missing from the file or damaged in it: a sentence; "" if nothing is."""
 
-    def messages(self, *topics: str) -> Iterator[Logged]:
+    def messages(self, *topics: str, since: float = -math.inf, begin: int = 0) -> Iterator[Logged]:
         """The complete messages in the order in which they were recorded.
 
         Args:
             topics: Which topics; none for all of them.
+            since: Those before are left out [s].
+            begin: Byte of the file behind which they are, as `more` knows it.
 
         Raises:
             TrialFileError: If a message does not fit the definition of its type.
         """
-        for channel, time, data in self._contents([]):
-            if not topics or channel.topic in topics:
+        for channel, time, data in self._contents([], begin):
+            if time >= 1e9 * since and (not topics or channel.topic in topics):
                 yield Logged(channel.topic, time / 1e9, self._kind(channel), self._decoded(channel, data))
 
-    def _kind(self, channel: Channel) -> str:
+    def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
+        """Those that came since this was called last, in a file that is still written; as `messages`.
+
+        Args:
+            topics: Which; none: all.
+            since: Only those that are not older [s].
+        """
+        yield from self.messages(*topics, since=since, begin=self._told)
+        self._told = self._end
+
+    def _kind(self, channel: "Channel") -> str:
         """The type of a channel's messages."""
         schema = self._schemas.get(channel.schema_id)
         return "" if schema is None else schema.name.replace("/msg/", "/")
 
-    def _decoded(self, channel: Channel, data: bytes) -> Any:
+    def _decoded(self, channel: "Channel", data: bytes) -> Any:
         """The fields of a message."""
         try:
             if channel.id not in self._decoders:
@@ -101,22 +112,24 @@ class Recording:
         except ValueError as error:
             raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
 
-    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+    def _decoder(self, channel: "Channel") -> Callable[[bytes], Any]:
         schema = self._schemas.get(channel.schema_id)
         if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
             return ros2.decoder(schema)
         return json.loads if channel.message_encoding == "json" else bytes
 
-    def _contents(self, lost: list[str]) -> Iterator[tuple[Channel, int, bytes]]:
-        """All complete messages, with their channel and time [ns]; what is lost is said in sentences."""
+    def _contents(self, lost: list[str], begin: int = 0) -> "Iterator[tuple[Channel, int, bytes]]":
+        """All complete messages behind a byte, with channel and time [ns]; what is lost is said in sentences."""
         from mcap import records
 
-        size, opcode, end = self.path.stat().st_size, 0, len(MAGIC)
+        size, opcode = self.path.stat().st_size, 0
+        self._end = begin or len(MAGIC)
         with self.path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
                 raise TrialFileError(f"Cannot load {self.path}: it is no MCAP file.")
+            file.seek(self._end)
             for opcode, content in _records(file, size):
-                end, found = file.tell(), list[Any]()
+                self._end, found = file.tell(), list[Any]()
                 try:
                     found = _unpacked(opcode, content)
                 except Exception as error:  # whatever the decompressors and the parser raise at bytes without sense
@@ -131,7 +144,7 @@ class Recording:
                     elif isinstance(record, records.Message) and record.channel_id in self._channels:
                         yield self._channels[record.channel_id], record.log_time, record.data
         if opcode != _FOOTER:
-            lost.append(f"it ends before its end, with {max(size - end, 0)} bytes of an incomplete chunk")
+            lost.append(f"it ends before its end, with {max(size - self._end, 0)} bytes of an incomplete chunk")
 
 
 def open_recording(path: str | Path) -> Recording:

@@ -12,12 +12,12 @@ the encoding (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
 import functools
 import struct
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, optional_import
 
 if TYPE_CHECKING:
     from mcap.records import Schema
@@ -26,34 +26,8 @@ Message: TypeAlias = dict[str, Any]
 Content: TypeAlias = Mapping[str, Any] | Sequence[Any]
 """The fields of a message, by name or in the order of its definition."""
 
-DEFINITIONS = {
-    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
-    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
-    "std_msgs/Float64": "float64 data\n",
-    "std_msgs/String": "string data\n",
-    "std_msgs/MultiArrayDimension": "string label\nuint32 size\nuint32 stride\n",
-    "std_msgs/MultiArrayLayout": "MultiArrayDimension[] dim\nuint32 data_offset\n",
-    "std_msgs/Float64MultiArray": "MultiArrayLayout layout\nfloat64[] data\n",
-    "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z\n",
-    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
-    "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
-    "geometry_msgs/Pose": "Point position\nQuaternion orientation\n",
-    "geometry_msgs/PoseStamped": "std_msgs/Header header\nPose pose\n",
-    "geometry_msgs/Transform": "Vector3 translation\nQuaternion rotation\n",
-    "geometry_msgs/TransformStamped": "std_msgs/Header header\nstring child_frame_id\nTransform transform\n",
-    "sensor_msgs/JointState": (
-        "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n"
-    ),
-    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped[] transforms\n",
-    "rcl_interfaces/Log": (
-        "byte DEBUG=10\nbyte INFO=20\nbyte WARN=30\nbyte ERROR=40\nbyte FATAL=50\n"
-        "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\n"
-        "string file\nstring function\nuint32 line\n"
-    ),
-    "can_msgs/Frame": (
-        "std_msgs/Header header\nuint32 id\nbool is_rtr\nbool is_extended\nbool is_error\nuint8 dlc\nuint8[8] data\n"
-    ),
-}
+_FILE = (Path(__file__).parent / "ros2.msg").read_text(encoding="utf-8")
+DEFINITIONS = dict(one.split("\n", 1) for one in _FILE.split("MSG: ")[1:])
 """The types that logs are made of, as ROS states them: a field a line, types of the same package without it.
 
 A file carries the whole definition of every type that it uses, so that it can be read where ROS is not installed.

@@ -3,8 +3,6 @@
 From a text with separators, from what QTM exports, or from C3D files of motion capture (by the package `ezc3d`).
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re
@@ -16,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import TrialFileError, nearest
-from laticauda.extras import optional_import
+from laticauda.errors import TrialFileError, nearest, optional_import
 from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
 """Cells that stand for a missing number, in small letters."""
 OF_BODY = ("X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{i}]" for i in range(9)))
 AXES = ("X", "Y", "Z")
+LARGEST = 1e30
+"""A number beyond it is no measurement, in whatever unit: nanoseconds since 1970 are 2e18."""
 UNITS = {"X": "mm", "Y": "mm", "Z": "mm", "Roll": "deg", "Pitch": "deg", "Yaw": "deg", "Residual": "mm"}
 
 
@@ -42,15 +41,19 @@ class Table:
         """The column of that name.
 
         Raises:
-            ValueError: If there is none, or it does not hold numbers.
+            ValueError: If there is none, or it does not hold numbers, or absurd ones.
         """
         found = self.columns.get(name)
         if found is None:
             names = list(self.columns)
             shown = ", ".join(names[:20]) + (f" and {len(names) - 20} more" if len(names) > 20 else "")
-            raise ValueError(f"The file has no column `{name}`{nearest(name, names).rstrip('.')}; it has {shown}.")
+            printed = repr(name)[1:-1]
+            raise ValueError(f"The file has no column `{printed}`{nearest(name, names).rstrip('.')}; it has {shown}.")
         if isinstance(found, str):
             raise ValueError(found)
+        found = np.where(np.isfinite(found), found, np.nan)  # what is infinite was not measured
+        if np.any(absurd := np.abs(found) > LARGEST):
+            raise ValueError(f"Column `{name}` must hold numbers up to {LARGEST:g}, got {found[absurd][0]:g}.")
         return found
 
     @property

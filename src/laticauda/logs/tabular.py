@@ -8,13 +8,11 @@ another program edited has lost it, and is taken as it is.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 # pyright: reportMissingTypeStubs=false
 
-import csv
 import hashlib
 import io
 import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,8 +20,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import files, trial
-from laticauda.errors import TrialFileError
-from laticauda.extras import optional_import
+from laticauda.errors import TrialFileError, optional_import
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import AXES, MARK, assembled, variable
 
@@ -120,11 +117,8 @@ def csv_text(columns: Sequence[Column]) -> str:
     Args:
         columns: Name, unit and values of each.
     """
-    text = io.StringIO(newline="")
-    writer = csv.writer(text)
-    writer.writerow([f"{name} [{unit}]" for name, unit, _ in columns])
-    writer.writerows(np.stack([values for _, _, values in columns], axis=1).tolist())
-    return text.getvalue()
+    heads = [f"{name} [{unit}]" for name, unit, _ in columns]
+    return files.csv_text([heads, *np.stack([values for _, _, values in columns], axis=1).tolist()])
 
 
 def flat_columns(dataset: "xarray.Dataset") -> Iterator[Column]:
@@ -294,7 +288,7 @@ def _content(path: Path) -> dict[str, Any]:
     library = _scipy()
     content = files.read_bytes(path)
     try:
-        return library.loadmat(BytesIO(content))
+        return library.loadmat(io.BytesIO(content))
     except NotImplementedError as error:
         message = "it is a .mat file of version 7.3; save it with `-v7` instead"
         raise TrialFileError(f"Cannot load {path}: {message}.") from error

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, load_mujoco
 from laticauda.fluid.laws import Element as Coefficients
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.elements import Element

@@ -17,26 +17,14 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 # pyright: reportCallIssue=false, reportConstantRedefinition=false
 
 from laticauda.compiling import compiled, kernel
-from laticauda.compiling.flows import PLACE
+from laticauda.compiling.formulas import PLACE
 from laticauda.fluid import inertia
 from laticauda.fluid.laws import plate
 from laticauda.mujoco_water import hydrostatics
-from laticauda.mujoco_water.ground_loads import ground_load
+from laticauda.mujoco_water.ground import ground_load
 from laticauda.mujoco_water.native import call_2, flags_at, number_at, stop, word_at
 from laticauda.mujoco_water.table import *
-from laticauda.mujoco_water.vectors import (
-    cross,
-    field,
-    integers,
-    nine,
-    numbers,
-    plus,
-    scaled,
-    three,
-    times,
-    to_own,
-    to_world,
-)
+from laticauda.mujoco_water.vectors import *
 
 wetted = compiled(hydrostatics.wetted)
 wetting = compiled(hydrostatics.wetting)

@@ -11,8 +11,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from laticauda.angles import from_quaternion
-from laticauda.errors import BadArgument, positive
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, instance, load_mujoco, positive
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water.ground import Contact
 from laticauda.quantities import option, quantity, value
@@ -195,6 +194,7 @@ def geom_elements(
     Raises:
         ValueError: If nothing is left.
     """
+    instance("model", getattr(model, "ptr", model), load_mujoco().MjModel)
     found: dict[int, list[tuple[str, Element]]] = {}
     empty: list[str] = []
     touching = (model.geom_contype | model.geom_conaffinity) != 0

@@ -8,16 +8,10 @@ and time, and what is felt there of the flow. The numbers of the law, or of the 
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 
 import numpy as np
-from numba import (
-    carray,  # pyright: ignore[reportPrivateImportUsage]
-    cfunc,
-    types,
-)
+from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 
-from laticauda.compiling import compiled
-from laticauda.compiling.flows import PLACE, summed
-from laticauda.compiling.formulas import in_numbers, rows_from
-from laticauda.compiling.inner import OPTIONS
+from laticauda.compiling import compiled, for_c
+from laticauda.compiling.formulas import PLACE, in_numbers, rows_from, summed
 from laticauda.compiling.templates import bindings, named_after
 from laticauda.fluid.flow import Motion, felt
 from laticauda.fluid.laws import MOTION, Element
@@ -43,6 +37,5 @@ def _motion(place, numbers):
 
 
 _numbers = types.CPointer(types.float64)
-call = cfunc(types.void(_numbers, _numbers), cache=True, **OPTIONS)(
-    named_after(__name__[__name__.rindex("_") + 1 :], _motion if _formula is None else _load)
-)
+_named = named_after(__name__[__name__.rindex("_") + 1 :], _motion if _formula is None else _load)
+call = for_c(types.void(_numbers, _numbers), _named)

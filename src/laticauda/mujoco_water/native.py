@@ -22,7 +22,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from laticauda.extras import load_mujoco
+from laticauda.errors import load_mujoco
 from laticauda.mujoco_water.table import AT
 
 # A free body with a hinged child: every array that is looked for has an address of its own.

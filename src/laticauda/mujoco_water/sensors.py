@@ -19,13 +19,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import cfunc, types
+from numba import types
 
-from laticauda.compiling import kernel
-from laticauda.compiling.inner import OPTIONS
+from laticauda.compiling import for_c, kernel
 from laticauda.compiling.templates import named_after, sources_digest
-from laticauda.extras import load_mujoco
-from laticauda.mujoco_water.loads import REGISTRY_SIZE, SCRATCH, collect, registry, registry_address, table_of
+from laticauda.errors import load_mujoco
+from laticauda.mujoco_water.callback import REGISTRY_SIZE, SCRATCH, collect, registry, registry_address, table_of
 from laticauda.mujoco_water.native import allocate, call_3, free_stack, library, mark_stack
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import cross, field, integers, nine, numbers, plus, scaled, three, to_own
@@ -140,5 +139,4 @@ def _sensors(model, data, stage):
 @cache
 def callback() -> Any:
     """The sensor callback for all models with water: a compiled function of the model, the data and the stage."""
-    function = named_after(sources_digest(__name__), _sensors)
-    return cfunc(types.void(types.int64, types.int64, types.int32), cache=True, **OPTIONS)(function)
+    return for_c(types.void(types.int64, types.int64, types.int32), named_after(sources_digest(__name__), _sensors))

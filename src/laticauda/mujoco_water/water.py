@@ -18,13 +18,11 @@ import numpy as np
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.templates import load, sources_digest
-from laticauda.errors import BadArgument, finite, one_of, positive
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, finite, instance, load_mujoco, one_of, positive
 from laticauda.fluid.flow import Flow, FunctionFlow, rows_of
 from laticauda.fluid.laws import DragLaw
 from laticauda.formulas import Formula
-from laticauda.mujoco_water import hydrostatics, native, registry, sensors
-from laticauda.mujoco_water import table as rows
+from laticauda.mujoco_water import callback, hydrostatics, native, sensors, table as rows
 from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose, warn_of
 from laticauda.mujoco_water.elements import Element, geom_elements
 from laticauda.mujoco_water.ground import Terrain
@@ -52,13 +50,13 @@ class Water:
     def detach(self) -> None:
         """Take the water away from the model; copies of it keep theirs."""
         model = self._live()
-        registry.leave(model)
+        callback.leave(model)
         sensors.give_back(model)
 
     @property
     def active(self) -> bool:
         """Whether the callback is in place: another package may have put its own there."""
-        return registry.is_installed()
+        return callback.is_installed()
 
     def set_current(self, current: Current | None) -> None:
         """Let the water of this model, and of copies that are made of it later, move so from now on.
@@ -173,7 +171,8 @@ def attach(
 
 def attached(model: Any) -> Water | None:
     """The water of `model`: one that it was attached to, a copy, or one from a pickle; None: it has none."""
-    water = registry.entry(model := getattr(model, "ptr", model))
+    instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
+    water = callback.entry(model)
     return water and replace(water, model=weakref.ref(model))
 
 
@@ -196,16 +195,16 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     numbers["nodes"] = terrain.nodes
     table[rows.GRID], table[rows.GRID_SIZE] = numbers["nodes"].ctypes.data, numbers["nodes"].size
     numbers["flows"], numbers["given"] = np.zeros(3 * rows.MOST_FLOWS, dtype=np.int64), {}
-    table[rows.FLOWS], table[rows.FLOW_LOST] = numbers["flows"].ctypes.data, registry.FLOW_LOST
+    table[rows.FLOWS], table[rows.FLOW_LOST] = numbers["flows"].ctypes.data, callback.LOST_FLOW
     moving = _motion(numbers, options["current"])
     numbers["sensors"] = sensors.take_over(model)
     table[rows.SENSORS], table[rows.N_SENSORS] = numbers["sensors"].ctypes.data, numbers["sensors"].size // 4
     if numbers["sensors"].size:
         sensors.install()
-    registry.install()
+    callback.install()
     copyreg.pickle(load_mujoco().MjModel, _reduced)
     handle = Water(model=weakref.ref(model), elements=elements, options=options, table=table, numbers=numbers)
-    registry.enter(model, handle)
+    callback.enter(model, handle)
     model.opt.o_friction[:4] = moving
     return handle
 
@@ -235,7 +234,7 @@ def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, fl
 
 def _reduced(model: Any) -> Any:
     """What a model is pickled as: with the water that it has."""
-    water = registry.entry(model)
+    water = callback.entry(model)
     if water is None:
         return model.__reduce_ex__(2)
     current = replace(water, model=weakref.ref(model)).current
@@ -261,6 +260,7 @@ def compiled(spec: Any) -> Any:
     Returns:
         A `mujoco.MjModel`.
     """
+    instance("spec", spec, load_mujoco().MjSpec)
     model = spec.compile()
     simple = [b for b in range(1, model.nbody) if model.body_simple[b] and model.body_dofnum[b]]
     if not simple:

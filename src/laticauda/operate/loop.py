@@ -8,18 +8,21 @@ import math
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
-from laticauda import lab, protocol
-from laticauda.estimation import PoseSample
+import numpy as np
+
+from laticauda import estimation, lab, protocol
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.recording import entries, log
+from laticauda.operate.recording import entries, log, writer
 from laticauda.operate.settings import Connection
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
+MOST_TICKS = 200_000  # whose times are kept, half an hour at 100 Hz; then the first ones give way
 MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
 Show = Callable[[OperatorState, Outputs], None]
 """Called with every tick; must be quick."""
@@ -80,7 +83,7 @@ def run_loop(
     devices: Devices,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
-    sink: log.Sink | None = None,
+    sink: log.Sink | writer.Writer | None = None,
     show: Show | None = None,
     longest: float = math.inf,
 ) -> tuple[OperatorState, entries.Timing | None]:
@@ -102,8 +105,9 @@ def run_loop(
     """
     clock, interval = devices.clock, 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
-    ticks: list[entries.Tick] = []
-    with clock.undisturbed():
+    ticks: Any = np.empty((MOST_TICKS if clock.is_real else 0, 3))  # made at once: nothing grows in the loop
+    n_ticks = 0
+    with clock.undisturbed() as granted:
         begun = origin = clock.now()
         count = 0
         while not state.is_done:
@@ -127,15 +131,19 @@ def run_loop(
             if any(event.kind == "start" for event in outputs.events):
                 devices.begin_run()
             if clock.is_real:
-                ticks.append(entries.Tick(due, now, clock.now()))
+                tick = entries.Tick(due, now, clock.now())
+                ticks[n_ticks % MOST_TICKS] = tick.due, tick.began, tick.sent
+                said = (entries.Event(time=now, kind="loop", message=granted),) if n_ticks == 0 else ()
+                outputs = replace(outputs, entries=(tick, *said, *outputs.entries))
+                n_ticks += 1
             if sink is not None:
-                sink.keep(now, (*received, *sent, *ticks[-1:], *outputs.entries))
+                sink.keep(now, (*received, *sent, *outputs.entries))
             if show is not None:
                 show(state, outputs)
             count += 1
             if now > origin + (count + 1) * interval:  # what was missed is not made up for
                 origin, count = now, 1
-    return state, entries.Timing(ticks=ticks, interval=interval) if clock.is_real else None
+    return state, entries.Timing(times=ticks[:n_ticks], interval=interval) if clock.is_real else None
 
 
 METER_INTERVAL = 0.2  # between two queries of the meter [s]
@@ -164,9 +172,9 @@ class TankTime(Clock):
         self._now = moment
 
     @contextmanager
-    def undisturbed(self) -> Generator[None]:
+    def undisturbed(self) -> Generator[str]:
         """Nothing to do: what is stepped cannot be late."""
-        yield
+        yield ""
 
 
 class TankDriver:
@@ -207,7 +215,7 @@ class TankBus(TankDriver):
 class TankCameras(TankDriver):
     """The cameras."""
 
-    def receive(self) -> tuple[tuple[float, PoseSample], ...]:
+    def receive(self) -> tuple[tuple[float, estimation.PoseSample], ...]:
         """What they saw since the last call, with the time of arrival."""
         now, captured = self._clock.now(), self._tank.captured()
         return tuple((now, pose_sample(one.timestamp, one.bodies[0] if one.bodies else None)) for one in captured)

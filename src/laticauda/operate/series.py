@@ -1,9 +1,7 @@
 """A series: every setting several times, the mean and the scatter, and the runs that were rejected, with the reason."""
 
-import csv
-import io
-import itertools
 import math
+import re
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -11,19 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import files, robot
-from laticauda.operate.files import SeriesFile
-from laticauda.operate.session import Result
-from laticauda.operate.settings import Operation
+from laticauda.errors import TrialFileError
+from laticauda.operate.recording import log, to_trial
+from laticauda.operate.session import TOLD, Result, kept_runs
+from laticauda.operate.settings import Operation, SeriesFile
 
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
-FIGURES: dict[str, tuple[str, int, int] | None] = {
-    "forward_velocity": ("v [m/s]", 20, 4),
-    "electrical_power": ("P above idle [W]", 20, 2),
-    "total_power": ("P total [W]", 18, 2),
-    "convergence_time": None,
-    "steady_error": ("p_y RMS [m]", 20, 4),
-}
+FIGURES: dict[str, tuple[str, int, int] | None] = {name: one or None for name, one in TOLD["series"].items()}
 """Figures of a setting, and where the table has them: title, width and digits."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
@@ -112,7 +105,8 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
     """Run every setting until it has its repeats, or has been rejected too often.
 
     The folder holds trials (``.nc``) and recordings (``.mcap``) run by run, and ``repeats.csv``, which is brought up to
-    date after every run. A series that was stopped goes on where it was: runs whose trial is there are not done again.
+    date after every run. A series that was stopped, rejected or killed goes on: what the folder has counts as it ended,
+    a recording that was not made a trial of before the program was killed too, and further runs take the next number.
 
     Args:
         series: What to run.
@@ -126,42 +120,51 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
     Raises:
         StorageFailed: If the table cannot be written.
     """
-    found: dict[str, list[Result]] = {}
     settings: list[Repeats] = []
-    for operation, number in itertools.product(series.trials, range(1, series.repeats + series.retries + 1)):
-        results = found.setdefault(operation.name, [])
-        if sum(result.accepted for result in results) >= series.repeats:
-            continue
-        one = replace(operation, name=f"{operation.name}-{number}")
-        result = _stored(one, folder)
-        if result is None:
+    for operation in series.trials:
+        earlier = {number: _stored(operation, number, folder) for number in _numbers(operation.name, folder)}
+        setting = Repeats(operation=operation, results=tuple(earlier.values()))
+        first = max(earlier, default=0) + 1
+        last = first + series.repeats - len(setting.accepted) + series.retries
+        for number in range(first, last):
+            if len(setting.accepted) >= series.repeats:
+                break
             if place is not None:
                 place(operation, number)
-            result = run(one, folder)
-        results.append(result)
-        begun = [each for each in series.trials if each.name in found]
-        settings = [Repeats(operation=each, results=tuple(found[each.name])) for each in begun]
-        _write_repeats(folder, settings)
-        if not result.accepted and "the operator" in result.reason:
-            break
+            result = run(replace(operation, name=f"{operation.name}-{number}"), folder)
+            setting = replace(setting, results=(*setting.results, result))
+            _write_repeats(folder, [*settings, setting])
+            if not result.accepted and "the operator" in result.reason:
+                return Series(file=series, settings=(*settings, setting), folder=folder)
+        settings.append(setting)
+    _write_repeats(folder, settings)
     return Series(file=series, settings=tuple(settings), folder=folder)
 
 
-def _stored(operation: Operation, folder: Path) -> Result | None:
-    """An accepted run of an earlier call; None if there is none."""
+def _numbers(name: str, folder: Path) -> list[int]:
+    """Of the runs of a setting that a folder has."""
+    found = (re.fullmatch(rf"{re.escape(name)}-([1-9][0-9]*)", run) for run in kept_runs(folder))
+    return sorted(int(match[1]) for match in found if match is not None)
+
+
+def _stored(operation: Operation, number: int, folder: Path) -> Result:
+    """A run of an earlier call; of one that was killed, as far as its recording goes."""
     from laticauda.logs import load_trial
 
-    path = folder / f"{operation.name}.nc"
-    if not path.exists():
-        return None
-    trial = load_trial(path)
-    if not trial.succeeded:
-        return None
+    path = folder / f"{operation.name}-{number}.nc"
+    try:
+        if path.exists():
+            trial = load_trial(path)
+        else:
+            trial = to_trial.trial_of(log.read_operation(path.with_suffix(".mcap")))
+            trial.save(path)
+    except TrialFileError as error:
+        return Result(name=path.stem, accepted=False, reason=str(error), trial=None)
     idle, voltage = (trial.settings.get(name) for name in ("idle_current", "supply_voltage"))
     return Result(
-        name=operation.name,
-        accepted=True,
-        reason="Taken from its file.",
+        name=path.stem,
+        accepted=trial.succeeded,
+        reason="Taken from its file." if trial.succeeded else trial.status,
         trial=trial,
         idle_current=float(idle) if isinstance(idle, float | int) else None,
         supply_voltage=float(voltage) if isinstance(voltage, float | int) else None,
@@ -179,13 +182,10 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
         angles = [round(math.degrees(value), 9) for value in (gait.amplitude, gait.frequency, gait.phase_shift)]
         for result in setting.accepted:
             summary = result.summary()
-            power = summary.get("electrical_power")
-            velocity = summary["forward_velocity"]
-            rows.append((KINDS[gait.kind], config, *angles, velocity, "" if power is None else power))
-    text = io.StringIO(newline="")
-    csv.writer(text).writerows([COLUMNS, *rows])
+            figures = summary["forward_velocity"], summary.get("electrical_power")
+            rows.append((KINDS[gait.kind], config, *angles, *figures))
     files.local(folder).mkdir(parents=True, exist_ok=True)
-    files.write(folder / "repeats.csv", text.getvalue())
+    files.write(folder / "repeats.csv", files.csv_text([COLUMNS, *rows]))
 
 
 def _shown(figure: tuple[float, float | None] | None, digits: int) -> str:

@@ -1,25 +1,32 @@
 """One operation from the connections to the trial: devices, loop, recording, figures."""
 
+import itertools
 import math
+import time
+import tomllib
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda import files, lab, scenarios
+from laticauda import files, lab, logs, scenarios
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import TrialFileError
 from laticauda.operate import drivers, loop, settings, terminal
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
 from laticauda.operate.recording import log, to_trial
-from laticauda.operate.recording.entries import Header, Timing
+from laticauda.operate.recording.entries import Event, Header, Timing, punctuality
 from laticauda.operate.recording.log import OperationRecorder, Sink
-from laticauda.operate.safety.transitions import BY_EVENT, cause_of
+from laticauda.operate.recording.writer import Writer
+from laticauda.operate.safety.supervisor import BY_EVENT, cause_of
+from laticauda.operate.verdict import Verdict, verdict_of
 from laticauda.trial import Trial, following
 
+TOLD: dict[str, Any] = tomllib.loads(Path(__file__).with_name("figures.toml").read_text())
+"""How the figures of a `run`, and of a `series`, are told."""
+PATIENCE = 10.0  # until what was recorded is on disk [s]
 LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
 
 
@@ -50,14 +57,15 @@ class Result:
     aftermath: str = ""
     """What went wrong while the robot stopped after a run that counts: to be looked at before the next; "" if nothing
     did."""
+    verdict: Verdict | None = None
+    """What was checked of the run; None if there was none, or it was not recorded."""
 
     def summary(self) -> dict[str, Any]:
         """The figures of the run by name, ready for JSON."""
         found: dict[str, Any] = {"name": self.name, "accepted": self.accepted, "reason": self.reason}
         if self.start is not None:
             found |= {"initial_cross_track_error": self.start[1], "initial_heading": self.start[2]}
-        found["idle_current"] = self.idle_current
-        trial = self.trial
+        found["idle_current"], trial = self.idle_current, self.trial
         if trial is not None:
             found |= {"duration": trial.duration, "forward_velocity": trial.forward_velocity}
             has_power = trial.electrical_work is not None and not self.notes
@@ -69,11 +77,10 @@ class Result:
                 found["final_cross_track_error"] = float(error[-1])
                 reached = following.summary(trial)
                 found |= {name: reached[name] for name in ("convergence_time", "steady_error", "ripple")}
-        found["notes"] = list(self.notes)
-        found["aftermath"] = self.aftermath
+        parts = {"timing": self.timing, "verdict": self.verdict}
+        found |= {"notes": list(self.notes), "aftermath": self.aftermath}
         found["recording"] = None if self.recording is None else str(self.recording)
-        found["timing"] = None if self.timing is None else self.timing.summary()
-        return found
+        return found | {name: None if part is None else part.summary() for name, part in parts.items()}
 
 
 def header_of(operator: Operator, text: str = "") -> Header:
@@ -117,7 +124,8 @@ def operate(
 
     Args:
         operation: What to do.
-        folder: Where the recording goes, ``NAME.mcap``, and the trial, ``NAME.nc``; None keeps nothing.
+        folder: Where the recording goes, ``NAME.mcap``, and the trial, ``NAME.nc``; ``NAME-2`` and so on where there
+            is one already. None keeps nothing.
         clock: None: real time.
         tank: What is operated instead: stepped, without wires and as fast as it goes; where it is, `operation` need not
             say, only whether there is a power meter.
@@ -137,12 +145,14 @@ def operate(
         StorageFailed: If the recording cannot be written at the start.
         RuntimeError: If an operation of a tank is never done.
     """
+    if folder is not None:
+        operation = replace(operation, name=_free_name(operation.name, folder))
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
     keys = keys or terminal.Keys()
     path = None if folder is None else folder / f"{operation.name}.mcap"
     with ExitStack() as stack:
-        sink, thread, longest = None, None, math.inf
+        sink, longest = None, math.inf
         if tank is None:
             devices = stack.enter_context(loop.connected(operation.connection, clock or drivers.Clock()))
         else:
@@ -150,17 +160,53 @@ def operate(
             longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
         if path is not None:
             files.local(path).parent.mkdir(parents=True, exist_ok=True)
-            recorder = stack.enter_context(OperationRecorder(path, header))
             if tank is None:
-                thread = stack.enter_context(ThreadPoolExecutor(1, "laticauda-recorder"))
-            sink = Sink(recorder, frames=frames, thread=thread)
+                sink = stack.enter_context(Writer(path, header, frames=frames))
+            else:
+                sink = Sink(stack.enter_context(OperationRecorder(path, header)), frames=frames)
         state, timing = loop.run_loop(
             operator, devices, keys=lambda _: keys.events, sink=sink, show=show, longest=longest
         )
-    return result_of(operator, state, path, timing)
+        verdict = _spoken(operation, path, twin) if path is not None and state.begun is not None else None
+        if verdict is not None and sink is not None:
+            now, message = state.now or 0.0, verdict.reason or "The run is right."
+            sink.keep(now, (Event(time=now, kind="verdict", message=message, data=verdict.summary()),))
+    if verdict is None and path is not None and state.begun is not None:
+        state = replace(state, notes=(*state.notes, "Nobody looked through the run yet: `laticauda replay` does."))
+    return result_of(operator, state, path, timing, verdict)
 
 
-def result_of(operator: Operator, state: OperatorState, recording: Path | None, timing: Timing | None) -> Result:
+def _spoken(operation: settings.Operation, path: Path, twin: Plant[Any] | None) -> Verdict | None:
+    """The verdict on the run in a recording that is still open; None where that cannot be read, or has no end."""
+    try:
+        recording, patience = logs.open_recording(path), time.monotonic() + PATIENCE
+        while not any("-> done" in one.content["msg"] for one in recording.more("/events")):
+            if time.monotonic() > patience:
+                return None
+            time.sleep(0.05)
+        return verdict_of(log.read_operation(path), operation.acceptance, twin)
+    except TrialFileError:
+        return None
+
+
+def kept_runs(folder: Path) -> set[str]:
+    """Names of the runs that a folder has, whatever became of them."""
+    return {path.stem for path in folder.glob("*") if path.suffix in (".mcap", ".nc")}
+
+
+def _free_name(name: str, folder: Path) -> str:
+    """What a run is called in a folder that may have some of this name."""
+    names, taken = itertools.chain((name,), (f"{name}-{number}" for number in itertools.count(2))), kept_runs(folder)
+    return next(one for one in names if one not in taken)
+
+
+def result_of(
+    operator: Operator,
+    state: OperatorState,
+    recording: Path | None,
+    timing: Timing | None,
+    verdict: Verdict | None = None,
+) -> Result:
     """What became of an operation, out of its last state and its recording.
 
     Args:
@@ -168,6 +214,7 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         state: The last one.
         recording: The closed file; None if nothing was recorded.
         timing: Of the loop; None if it had none.
+        verdict: On the run; None where there is none.
     """
     trial: Trial | None = None
     if recording is not None and state.begun is not None:
@@ -177,6 +224,8 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         except TrialFileError as error:
             state = replace(state, notes=(*state.notes, str(error)))
     accepted, reason = _judged(operator, state)
+    if accepted and verdict is not None and verdict.reason:
+        accepted, reason = False, verdict.reason
     return Result(
         name=operator.operation.name,
         accepted=accepted and (trial is not None or recording is None),
@@ -189,6 +238,7 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         recording=recording,
         timing=timing,
         aftermath=_aftermath(state) if accepted else "",
+        verdict=verdict,
     )
 
 
@@ -220,28 +270,13 @@ def table(summary: Mapping[str, Any]) -> str:
     Args:
         summary: Of a `Result`.
     """
-    words = {
-        "initial_cross_track_error": ("p_y(0)", "m", 4),
-        "initial_heading": ("theta(0)", "rad", 4),
-        "duration": ("duration", "s", 2),
-        "forward_velocity": ("forward velocity (5)", "m/s", 4),
-        "idle_current": ("current at rest I_0", "A", 3),
-        "electrical_power": ("power above idle (4)", "W", 2),
-        "total_power": ("total power", "W", 2),
-        "convergence_time": ("within 0.1 m after", "s", 1),
-        "steady_error": ("p_y after that, RMS", "m", 4),
-        "final_cross_track_error": ("p_y at the end", "m", 4),
-    }
     lines = [f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"]
-    for name, (says, unit, digits) in words.items():
+    for name, (says, unit, digits) in TOLD["run"].items():
         if summary.get(name) is not None:
             lines.append(f"  {says:<24}{summary[name]:>12.{digits}f} {unit}")
-    timing = summary.get("timing")
-    if timing and "period_p99" in timing:
-        lines.append(
-            f"  {'loop':<24}{timing['ticks']:>12} ticks, period p99 {1e3 * timing['period_p99']:.2f} ms, latency p99 "
-            f"{1e3 * timing['latency_p99']:.2f} ms, {timing['missed']} missed"
-        )
+    if summary.get("timing"):
+        lines.append(f"  loop: {punctuality(summary['timing'])}")
+    lines += [f"  {line}" for line in summary["verdict"]["lines"]] if summary.get("verdict") else []
     lines += [f"  note: {note}" for note in summary.get("notes", ())]
     if summary.get("aftermath"):
         lines.append(f"  note: {summary['aftermath']}")

@@ -1,4 +1,22 @@
-"""What one operation is: gait or path, start, connections, tank, calibration and limits; the content of a trial file.
+"""What one operation is: gait or path, start, connections, tank, calibration and limits; and series; their TOML files.
+
+    kind = "trial"
+    name = "line-1"
+    robot = "mamba"
+    duration = 60.0
+
+    [gait]
+    kind = "lateral-undulation"
+    amplitude_deg = 30
+    frequency_deg_s = 90
+    phase_shift_deg = 40
+
+    [following]                    # left out: open loop
+    look_ahead_distance = 0.18
+
+Tables and keys are the fields of `Operation` and of what it holds, read strictly. Units are SI; an angle may be given
+in degrees under its name with ``_deg``, an angular rate with ``_deg_s``. A series file has the kind ``series``, the
+number of `repeats`, the table ``[common]`` with what all trials share, and a list ``[[trials]]`` of what differs.
 
 Two frames: the tank frame is the one that the motion capture was calibrated to; the path frame is the world of
 everything else, with the path along its x axis in the paper's trials.
@@ -6,13 +24,14 @@ everything else, with the path along its x axis in the paper's trials.
 
 import math
 from dataclasses import replace
-from typing import Any, Literal, TypeAlias
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda import control, estimation, gaits, interfaces, protocol, scenarios
-from laticauda.errors import BadArgument
+from laticauda import codec, control, estimation, files, gaits, interfaces, protocol, scenarios
+from laticauda.errors import BadArgument, LaticaudaError, hostname
 from laticauda.estimation.samples import Offset
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water, load_robot
@@ -38,7 +57,7 @@ class Connection:
     can_interface: Literal["udp_multicast", "virtual", "socketcan"] = option("kind of bus", default="udp_multicast")
     can_channel: str = option("its channel: a multicast address, any name, or can0", default="239.74.163.2")
     can_port: int = quantity("", "UDP port of udp_multicast", ge=1, le=65535, default=43113)
-    mocap_host: str = option("address of the motion capture's computer", default="127.0.0.1")
+    mocap_host: str = option("motion capture's computer", default="127.0.0.1", check=hostname)
     mocap_port: int = quantity("", "its port", ge=1, le=65535, default=22223)
     mocap_body: str = option('name of the rigid body; "" takes the only one there is', default="")
     meter_port: str = option('serial port of the power meter; "" for none', default="")
@@ -166,6 +185,27 @@ class Limits:
 
 
 @value
+class Acceptance:
+    """What a run is accepted with that reached its end: the limits of `laticauda.operate.verdict`, one for each check.
+
+    Those of speed, sideslip and turning are for what changes in the run beside the model; `model_speed` is noted only.
+    """
+
+    joint_error: float = quantity("rad", "a joint off what its servo can follow", gt=0.0, default=math.radians(3.0))
+    angle_jump: float = quantity("rad", "a joint's angle beside its rate", gt=0.0, default=math.radians(3.0))
+    marker_jump: float = quantity("rad", "the heading by markers and joints", gt=0.0, default=math.radians(3.0))
+    swing_error: float = quantity("", "the markers' swing beside the model's", gt=0.0, default=0.2)
+    speed_change: float = quantity("", "the speed beside the model's changes", gt=0.0, default=0.2)
+    sideslip_change: float = quantity("", "the sideslip beside the model's changes", gt=0.0, default=0.2)
+    turn_change: float = quantity("rad", "a cycle's turn beside the model's changes", gt=0.0, default=math.radians(0.9))
+    model_speed: float = quantity("", "the speed is not the model's (ln): `laticauda identify`", gt=0.0, default=0.25)
+    pose_age: float = quantity("s", "the median age of what the cameras saw last", gt=0.0, default=0.25)
+    clock_drift: float = quantity("s/s", "the cameras' clock goes away from ours", gt=0.0, default=2e-4)
+    water_speed: float = quantity("m/s", "the straight robot drifts before the run", gt=0.0, default=0.01)
+    without_zero: float = quantity("", "modules without a zero (`joint_zeros` sets them)", gt=0.0, default=0.5)
+
+
+@value
 class Operation:
     """One run of a robot, from the connections to the last command: the content of a trial file."""
 
@@ -190,6 +230,7 @@ class Operation:
     tank: CaptureVolume = option("where the path is in the tank", default_factory=CaptureVolume)
     calibration: Calibration = option("what is measured before", default_factory=Calibration)
     limits: Limits = option("what the supervisor accepts", default_factory=Limits)
+    acceptance: Acceptance = option("what a run is accepted with", default_factory=Acceptance)
 
     def __post_init__(self) -> None:
         """Check what depends on two fields, and the name."""
@@ -226,3 +267,68 @@ class Operation:
         if self.following is None:
             return interfaces.OpenLoop(command=interfaces.Command(gait=self.gait))
         return self.following.controller(self.gait)
+
+
+class OperationFileError(LaticaudaError, ValueError):
+    """A trial or series file is wrong: it says which file, key, rule and value."""
+
+
+@value
+class SeriesFile:
+    """What a series file says."""
+
+    name: str = option("what its folder is called")
+    repeats: int = quantity("", "how often every setting is run", ge=1, default=1)
+    retries: int = quantity("", "how many rejected runs of a setting are run again", ge=0, default=1)
+    trials: tuple[Operation, ...] = option("the settings, in their order")
+
+    def __post_init__(self) -> None:
+        """Refuse no trials, and two of one name."""
+        if not self.trials:
+            raise BadArgument("trials", "must hold at least one trial, got none")
+        names = [operation.name for operation in self.trials]
+        for name in names:
+            if names.count(name) > 1:
+                raise BadArgument("trials", f"must have names of their own, got {name!r} twice")
+
+
+def load_operation(path: str | Path) -> Operation | SeriesFile:
+    """Read a trial or series file.
+
+    Args:
+        path: Of the TOML file.
+
+    Returns:
+        The `Operation` of a trial file, or the `SeriesFile`.
+
+    Raises:
+        OperationFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the
+            rule and the value.
+    """
+    return parse_operation(files.read_text(path, OperationFileError), str(path))
+
+
+def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
+    """The same from a text.
+
+    Args:
+        text: TOML.
+        shown: What messages call it.
+
+    Raises:
+        OperationFileError: As `load_operation`.
+    """
+    table = files.parse_toml(text, shown, OperationFileError)
+    with codec.keys_of(shown, OperationFileError):
+        if codec.take_kind(table, "trial", "series") == "trial":
+            return codec.decode(Operation, table)
+        return codec.decode(SeriesFile, _with_common(table))
+
+
+def _with_common(table: codec.Table) -> codec.Table:
+    """A series with what all trials share put into every one of them."""
+    common, trials = codec.table_of(table.pop("common", {}), "common"), table.get("trials")
+    if isinstance(trials, list):
+        entries = [codec.table_of(entry, f"trials[{i}]") for i, entry in enumerate(cast("list[object]", trials))]
+        table["trials"] = [codec.merged(common, entry) for entry in entries]
+    return table

@@ -12,16 +12,19 @@ import select
 import signal
 import sys
 import threading
+from collections import deque
 from types import FrameType
 from typing import Any, Self, TextIO
 
-from laticauda.extras import optional_import
+import numpy as np
+
+from laticauda.errors import optional_import
 from laticauda.operate.course.state import OperatorState, Outputs
-from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety import limits, transitions
+from laticauda.operate.recording.entries import Event, Tick
+from laticauda.operate.safety import limits
+from laticauda.operate.safety.supervisor import PHASES
 from laticauda.operate.settings import Operation
-from laticauda.protocol import NodeState
-from laticauda.protocol.worker import Worker
+from laticauda.protocol import NodeState, worker
 
 STOP, EMERGENCY = "operator_key", "emergency_key"
 WORDS = {b" ": "by space", b"q": "by q", b"Q": "by q"}
@@ -66,7 +69,7 @@ class Keys:
         self._before.clear()
 
 
-class Terminal(Worker[None]):
+class Terminal(worker.Worker[None]):
     """Single keys of a terminal, without Enter, as long as a `with` block lasts; nothing where there is no terminal.
 
     The terminal is as it was afterwards. Ctrl-C stays a signal. Who runs the program in the background has no keys.
@@ -125,6 +128,7 @@ def _in_front(number: int) -> bool:
 
 REFRESH = 0.2  # [s, wall clock]
 LAST_EVENTS = 6
+RECENT = 1000  # ticks whose lateness is told
 COLORS = {"idle": "white", "ready": "cyan", "running": "green", "stopping": "yellow", "fault": "red"}
 STATE_COLORS = {NodeState.ACTIVE: "green", NodeState.HOLD: "yellow", NodeState.LIMP: "yellow", NodeState.FAULT: "red"}
 
@@ -152,18 +156,26 @@ class Dashboard:
         self._operation = operation
         self._state: OperatorState | None = None
         self._events: tuple[Event, ...] = ()
+        self._late, self._latest = deque[float](maxlen=RECENT), 0.0
         often = {"refresh_per_second": 1.0 / REFRESH, "screen": False}
         self._live: Any = _rich("live").Live(get_renderable=self._drawn, **often)
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """Take one tick; drawing it is the thread's business."""
         self._state = state
+        for tick in (entry for entry in outputs.entries if isinstance(entry, Tick)):
+            self._late.append(tick.began - tick.due)
+            self._latest = max(self._latest, self._late[-1])
         events = tuple(event for event in outputs.events if event.kind != "phase")
         if events:
             self._events = (*self._events, *events)[-LAST_EVENTS:]
 
     def _drawn(self) -> Any:
-        return "" if self._state is None else picture(self._operation, self._state, self._events)
+        if self._state is None:
+            return ""
+        late = 1e3 * float(np.percentile([0.0, *self._late.copy()], 99.9))
+        loop = f"loop late by {late:.1f} ms (99.9 % of the last {RECENT}), {1e3 * self._latest:.1f} ms at most"
+        return picture(self._operation, self._state, self._events, loop)
 
     def __enter__(self) -> Self:
         """Begin to draw."""
@@ -175,26 +187,28 @@ class Dashboard:
         self._live.stop()
 
 
-def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...]) -> Any:
+def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...], loop: str = "") -> Any:
     """The dashboard as something that rich can print.
 
     Args:
         operation: What is operated.
         state: After the latest tick.
         events: The latest ones.
+        loop: How punctual it is.
     """
     columns = _rich("columns").Columns([_modules(state.modules), _pose(operation, state)], padding=(0, 2))
     log = _rich("text").Text("\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis")
     group = _rich("console").Group(_head(operation, state), columns, log)
     title = f"[bold]{operation.name}[/bold]   space, q, Ctrl-C: straighten and stop; again: emergency stop"
-    return _rich("panel").Panel(group, title=title, border_style=COLORS[state.supervisor.state], title_align="left")
+    style = {"border_style": COLORS[state.supervisor.state], "title_align": "left", "subtitle_align": "right"}
+    return _rich("panel").Panel(group, title=title, subtitle=f"[dim]{loop}[/]", **style)
 
 
 def _head(operation: Operation, state: OperatorState) -> Any:
     """State, phase and time on one line."""
     supervisor = state.supervisor
     phase = state.phase.replace("_", " ")
-    steps = f"{transitions.PHASES.index(state.phase) + 1}/{len(transitions.PHASES)}"
+    steps = f"{PHASES.index(state.phase) + 1}/{len(PHASES)}"
     color = COLORS[supervisor.state]
     text = _rich("text").Text.from_markup(f"[bold {color}]{supervisor.state.upper():<9}[/] {phase} ({steps})")
     if state.begun is not None and state.now is not None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from laticauda.paper.measured import path_following_trials as path_following_trials
     from laticauda.paper.path_following import PathFollowingStudy as PathFollowingStudy
     from laticauda.paper.path_following import run_path_following as run_path_following
-    from laticauda.paper.repeats import TABLE2 as TABLE2, Repeat as Repeat, load_repeats as load_repeats
+    from laticauda.paper.efficiency import TABLE2 as TABLE2, Repeat as Repeat, load_repeats as load_repeats
     from laticauda.paper.report.reproduce import Experiments as Experiments, paper_experiments as paper_experiments
     from laticauda.paper.report.reproduce import reproduce as reproduce
     from laticauda.paper.runs import Coefficients as Coefficients

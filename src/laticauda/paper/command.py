@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli import command, scene, tables
+from laticauda.cli.command import progress
 from laticauda.cli.flags import File, Folder
-from laticauda.cli.progress import progress
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import loop_in_words
 
@@ -48,7 +48,7 @@ class Reproduce(command.Command):
 
     def run(self) -> command.Outcome:
         """Run and write."""
-        from laticauda.paper.repeats import load_repeats
+        from laticauda.paper.efficiency import load_repeats
         from laticauda.paper.report.reproduce import paper_experiments, reproduce
         from laticauda.robot import load_parameters, load_water
 

@@ -2,20 +2,25 @@
 
 It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and puts what the table is, the maxima
 of sweeps, beside the maxima of the simulated ones. How far off the speeds are is computed in `scores`.
+
+Repeated trials of one's own, from a CSV file, show how far measurements of the same setting scatter. The file is a
+table of speeds (`laticauda.trial.measured`); several rows per setting are what it is for.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.gaits import Gait
+from laticauda import gaits, scenarios
+from laticauda.operate.series import mean_and_deviation
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
-from laticauda.scenarios import Scenario
+from laticauda.trial import measured, null_models
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
@@ -82,7 +87,7 @@ class EfficiencyStudy(Study[EfficiencySettings]):
         """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
 
-        def tasks(group: Group, gait: Gait) -> list[tuple[str, Scenario]]:
+        def tasks(group: Group, gait: gaits.Gait) -> list[tuple[str, scenarios.Scenario]]:
             """Name and scenario of every model's trial; that of the first comes last, and `runs.how` is of it."""
             setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
@@ -164,4 +169,58 @@ def _maximum(group: Group, sweep: SweepResult, star: MeasuredCase, place: int) -
         simulated_at=tuple(map(float, values[best])),
         simulated_velocity=tuple(float(curve[i]) for curve, i in zip(curves, best, strict=True)),
         at_the_end=tuple(i in (0, values.size - 1) for i in best),
+    )
+
+
+# ---- repeated trials ------------------------------------------------------------------------------------------------
+
+TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
+"""Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Repeat(null_models.Row):
+    """All trials of one setting."""
+
+    forward_velocity: tuple[float, ...]
+    """Equation (5), trial by trial [m/s]."""
+    mean_power: tuple[float | None, ...]
+    """Electrical power above idle, trial by trial; None where it is missing [W]."""
+
+    @property
+    def velocity(self) -> tuple[float, float | None]:
+        """Mean and standard deviation of the forward velocity; one trial has no deviation [m/s]."""
+        return mean_and_deviation(self.forward_velocity)
+
+    @property
+    def power(self) -> tuple[float, float | None] | None:
+        """The same for the power; None if no trial has one [W]."""
+        known = [value for value in self.mean_power if value is not None]
+        return mean_and_deviation(known) if known else None
+
+
+def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
+    """Load repeated trials from a CSV file.
+
+    Args:
+        path: Of the file.
+
+    Returns:
+        One entry per setting, in the order in which they first appear.
+
+    Raises:
+        TrialFileError: As `load_speeds`.
+    """
+    trials: dict[tuple[gaits.Gait, bool], list[tuple[float, float | None]]] = {}
+    for one in measured.load_speeds(path):
+        if one.v_m_s is not None:
+            trials.setdefault((one.motion, one.config == "fin"), []).append((one.v_m_s, one.P_avg_W))
+    return tuple(
+        Repeat(
+            gait=gait,
+            has_fin=has_fin,
+            forward_velocity=tuple(speed for speed, _ in found),
+            mean_power=tuple(power for _, power in found),
+        )
+        for (gait, has_fin), found in trials.items()
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from laticauda import files, gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
-from laticauda.trial import MeasuredTrial, MeasuredTrials, null_models, speeds
+from laticauda.trial import MeasuredTrial, MeasuredTrials, measured, null_models
 
 PRINTED_TO = 0.02  # the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]
@@ -201,10 +201,9 @@ def _cells(table: str) -> list[dict[str, str]]:
 
 
 def _row(cells: Mapping[str, str]) -> dict[str, Any]:
-    alpha, omega, delta = (math.radians(float(cells[name])) for name in ("alpha_deg", "omega_deg_s", "delta_deg"))
-    envelope = gaits.envelope_of(speeds.KINDS[cells["gait"]])
+    angles = (float(cells[name]) for name in ("alpha_deg", "omega_deg_s", "delta_deg"))
     return {
-        "gait": gaits.Gait(envelope=envelope, amplitude=alpha, frequency=omega, phase_shift=delta),
+        "gait": measured.gait_in_table(cells["gait"], *angles),
         "has_fin": cells["config"] == "fin",
         "case": int(cells["case"]),
         "printed_velocity": _number(cells["printed_v_percent"]),

@@ -14,7 +14,7 @@ from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, setting
 from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
-from laticauda.studies.trials import Progress
+from laticauda.studies.sweep import Progress
 from laticauda.trial.contents import Setting
 
 Settings = TypeVar("Settings")

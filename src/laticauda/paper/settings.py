@@ -13,7 +13,6 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda import codec, gaits
-from laticauda.control import Following
 from laticauda.errors import BadArgument
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients
@@ -134,7 +133,7 @@ class PathFollowingSettings:
 
     duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
-    following: Following = option("How every run is steered along the x axis")
+    following: lc.Following = option("How every run is steered along the x axis")
     coefficients: Coefficients = option("The water of every gait")
     accepted_error: float = quantity("m", "What the mean over the gait cycle shall stay within at the end", gt=0.0)
     joint_laws: tuple[str, ...] = option("Of the band: how the joints follow the gait")

@@ -6,8 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import within
-from laticauda.extras import load_mujoco
+from laticauda.errors import load_mujoco, within
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 from laticauda.spatial.bodies import center_of_mass

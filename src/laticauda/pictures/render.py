@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
 from laticauda.files import write
-from laticauda.pictures import lines, replay, stage
+from laticauda.pictures import replay, stage
 from laticauda.pictures.camera import Film, ripple_period, view
 from laticauda.trial import Trial
 
@@ -109,12 +109,12 @@ def pictures(
     """
     with closing(replay.studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
         height, width = studio.height, LINE * film.size[0]
-        path = lines.path_dashes(trial, height)
+        path = replay.path_dashes(trial, height)
         for time in moments:
 
             def decorate(scene: Any, time: float = time) -> None:
-                lines.draw_path(scene, path, width)
-                lines.draw_trail(scene, trial, time, height, width)
+                replay.draw_path(scene, path, width)
+                replay.draw_trail(scene, trial, time, height, width)
 
             camera = view(trial, time, height, film)
             posture, *others = [replay.posture_at(one, time, height) for one in (trial, *beside)]
@@ -134,7 +134,7 @@ def speed_at(trial: Trial, time: float) -> float:
     moments = max(time - ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
-    start, stop = lines.centers(trial, moments)
+    start, stop = replay.centers(trial, moments)
     return float(np.linalg.norm(stop - start)) / (moments[1] - moments[0])
 
 

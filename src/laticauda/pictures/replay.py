@@ -1,22 +1,28 @@
-"""The 3D robot of a trial in its water, moved through the trial's postures: nothing is simulated anew."""
+"""The 3D robot of a trial in its water, moved through the trial's postures: nothing is simulated anew.
 
+Lines beside it are the trail of the center of mass, and the path that the run followed.
+"""
+
+import math
 import os
 import platform
 import time
 import warnings
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
-from laticauda.errors import LaticaudaError, instance, positive
-from laticauda.extras import load_mujoco
-from laticauda.interfaces import ORIENTATION
-from laticauda.kinematics import link_angles
+from laticauda import interfaces, kinematics
+from laticauda.errors import LaticaudaError, load_mujoco, positive
 from laticauda.pictures.camera import Film, view
 from laticauda.pictures.stage import Posture, Studio, flat_posture
+from laticauda.pictures.surroundings import add_piece
 from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
+from laticauda.trial.following import nearest_points
 
 PICTURES_PER_SECOND, MOMENTS = 60.0, 12  # MOMENTS: in which moving water is looked at, to see how fast it is
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
@@ -29,7 +35,6 @@ def studio_of(trial: Trial, **options: Any) -> Studio:
         trial: Any trial, simulated or real.
         options: Of the studio.
     """
-    instance("trial", trial, Trial)
     place, times = trial.center_of_mass, trial.time[:: max(trial.time.size // MOMENTS, 1)].tolist()
     way = np.array((place.min(axis=0), place.max(axis=0)))
     return Studio(trial.robot, trial.environment, trial.scenario.model, way=way, times=times, **options)
@@ -59,14 +64,14 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
     center = cubic(trial.center_of_mass, trial.center_of_mass_velocity)
     joint_angle = cubic(trial.joint_angle, trial.joint_rate)
     fin_angle = cubic(trial.fin_angle, trial.fin_rate)
-    if center.size == 3 and all(name in trial.signals for name in ORIENTATION):
-        first, second = (np.array([trial.signals[name][k] for name in ORIENTATION]) for k in (before, after))
+    if center.size == 3 and all(name in trial.signals for name in interfaces.ORIENTATION):
+        first, second = (np.array([trial.signals[name][k] for name in interfaces.ORIENTATION]) for k in (before, after))
         mixed = (1.0 - share) * first + share * (second if first @ second >= 0.0 else -second)
         return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle, time)
     if center.size == 3:
         tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
     else:
-        tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
+        tail = kinematics.link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
     return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)._replace(time=time)
 
 
@@ -119,3 +124,89 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
                 window.update_mesh(surface)
             window.sync()
             time.sleep(1.0 / PICTURES_PER_SECOND)
+
+
+# ---- lines ----------------------------------------------------------------------------------------------------------
+
+TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], how far above the axis, in half heights of the body
+TRAIL_COLOR = np.array((1.0, 0.85, 0.40))
+DASH, MOST_DASHES = 0.05, 1500  # in lengths of the robot, [-]
+PATH_COLOR = np.array((0.92, 0.97, 0.98))
+Points = Float[np.ndarray, "n_points n_axes"]
+Dashes = list[tuple[np.ndarray, np.ndarray]]
+
+
+def centers(trial: Trial, moments: Sequence[float]) -> Points:
+    """Where the center of mass is at these times, in as many axes as the trial has [m]."""
+    columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
+    return np.stack(columns, axis=1)
+
+
+def trail_points(trial: Trial, time: float, height: float) -> Points:
+    """Points of the center of mass's way up to a time, the newest last [m].
+
+    Args:
+        trial: Any trial.
+        time: Within the trial's time [s].
+        height: At which a planar robot swims [m].
+    """
+    first = max(math.ceil(trial.time[0] / TRAIL_STEP), math.floor(time / TRAIL_STEP) - TRAIL_PIECES)
+    # Always at the same moments, or the corners of the line would move along it.
+    moments = [*(k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)), time]
+    points = np.full((len(moments), 3), height)
+    points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
+    return points
+
+
+def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: float) -> None:
+    """Draw the trail into a scene, above the body, older pieces darker.
+
+    Args:
+        scene: A `MjvScene` that is about to be drawn.
+        trial: As for `trail_points`.
+        time: The same [s].
+        height: The same [m].
+        width: Of the line [pixels].
+    """
+    points = trail_points(trial, time, height)
+    points[:, 2] += OVER * max(module.section.half_height for module in trial.robot.modules)
+    bright = np.linspace(0.5, 1.0, len(points))[:, np.newaxis] * TRAIL_COLOR
+    for one, other, color in zip(points[:-1], points[1:], bright, strict=False):
+        add_piece(scene, one, other, width, color, "LINE")
+
+
+def path_dashes(trial: Trial, height: float) -> Dashes:
+    """The path that was followed as dashes below the body [m]; none if there was no path."""
+    if "cross_track_error" not in trial.signals or trial.time.size < 2:
+        return []
+    points, dash = nearest_points(trial), DASH * trial.robot.reach
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    # Samples go back and forth along the path with every stroke: only what is new counts.
+    along = np.maximum.accumulate(trial.signals["along_track_distance"])
+    keep = np.append(True, (np.diff(along) > 1e-6) & (steps < dash))
+    if np.count_nonzero(keep) < 2:
+        return []
+    distance, line = along[keep], points[keep]
+    under = 1.3 * max(module.section.half_height for module in trial.robot.modules)
+    columns: list[np.ndarray] = [line[:, 0], line[:, 1], _path_heights(trial, height)[keep] - under]
+
+    def at(place: float) -> np.ndarray:
+        return np.array([np.interp(place, distance, column) for column in columns])
+
+    starts = np.arange(distance[0], distance[-1], 2.0 * dash)
+    return [(at(start), at(start + dash)) for start in starts[:MOST_DASHES]]
+
+
+def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"]:
+    """Height of the path at the samples [m]: its own, if it leads through space; else that of the robot, all in all."""
+    if "height_error" in trial.signals:
+        above = trial.signals["height_error"] * np.cos(trial.signals["path_climb"])
+        return trial.center_of_mass[:, 2] - above
+    planar = trial.center_of_mass.shape[1] == 2
+    return np.full(trial.time.size, height if planar else float(np.mean(trial.center_of_mass[:, 2])))
+
+
+def draw_path(scene: Any, dashes: Dashes, width: float) -> None:
+    """Draw what `path_dashes` gave into a scene, as lines of so many pixels."""
+    for one, other in dashes:
+        add_piece(scene, one, other, width, PATH_COLOR, "LINE")

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from laticauda.dynamics.plant import Plant, PlantState
-from laticauda.errors import MissingProgram
-from laticauda.extras import load_mujoco, optional_import
+from laticauda.errors import MissingProgram, load_mujoco, optional_import
 from laticauda.fluid.arrows import MOMENTS, has_waves
 from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
 from laticauda.pictures.surroundings import MovingWater, add_surroundings, casters, draw_shadows

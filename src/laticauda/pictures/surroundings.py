@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from laticauda.extras import load_mujoco
+from laticauda.errors import load_mujoco
 from laticauda.fluid.arrows import Surface, arrows_of, grid, has_waves
-from laticauda.pictures.lines import add_piece
 from laticauda.robot import Environment, Ground, Water
 from laticauda.spatial.appearance import HULL
 
@@ -64,13 +63,7 @@ LAND = Look(
 
 
 def add_surroundings(
-    model: Any,
-    environment: Environment,
-    *,
-    floor: float,
-    length: float,
-    level: float | None,
-    waves: str | None = None,
+    model: Any, environment: Environment, *, floor: float, length: float, level: float | None, waves: str | None = None
 ) -> None:
     """Floor, light and all that is far away into a `MjSpec`.
 
@@ -216,6 +209,16 @@ def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndar
     return flat, (1.0 - THIN) * height * along + ABOVE * n, color
 
 
+def add_piece(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray, kind: str) -> None:
+    """A piece of a `LINE` [pixels], or an `ARROW` [m], into a scene that is about to be drawn."""
+    if scene.ngeom < scene.maxgeom:
+        mujoco, geom, zero = load_mujoco(), scene.geoms[scene.ngeom], np.zeros(3)
+        shape = getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")
+        mujoco.mjv_initGeom(geom, shape, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32))
+        mujoco.mjv_connector(geom, shape, width, one, other)
+        scene.ngeom += 1
+
+
 # ---- water that moves ------------------------------------------------------------------------------------------------
 
 SHAFT = 0.004  # width of an arrow, in lengths of the robot
@@ -235,13 +238,7 @@ class MovingWater:
         times: In which it is shown [s].
     """
 
-    def __init__(
-        self,
-        environment: Environment,
-        length: float,
-        way: np.ndarray,
-        times: Sequence[float],
-    ) -> None:
+    def __init__(self, environment: Environment, length: float, way: np.ndarray, times: Sequence[float]) -> None:
         self._length, self._arrows, flow = length, None, None
         if isinstance(environment, Water):
             flow = environment.flow

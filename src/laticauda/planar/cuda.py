@@ -124,7 +124,10 @@ def _target() -> Target:
         kernel=device,
         entry=device,
         in_lanes=lambda function: function,
-        formulas={scalars.where: where, scalars.magnitude: magnitude, scalars.first_lane: itself},
+        formulas={
+            **{scalars.where: where, scalars.magnitude: magnitude, scalars.first_lane: itself},
+            scalars.tanh: device(lambda x: math.tanh(x)),
+        },
         instead={
             **dict.fromkeys(("rows_of", "any_lane", "first_lane"), itself),
             "where": where,

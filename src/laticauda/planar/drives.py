@@ -12,11 +12,11 @@ from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.formulas import rows_from
+from laticauda.compiling.functions import expm1, sincos
 from laticauda.compiling.lanes import any_lane, first_lane
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.gaits import reference
-from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
 
 advance_wave = compiled(reference.advance_wave)

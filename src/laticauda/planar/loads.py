@@ -9,13 +9,12 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.compiling import compiled, kernel
-from laticauda.compiling.flows import summed
-from laticauda.compiling.formulas import in_rows, rows_from
+from laticauda.compiling.formulas import in_rows, rows_from, summed
+from laticauda.compiling.functions import sincos
 from laticauda.compiling.lanes import first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.fluid import flow, inertia
 from laticauda.fluid.laws import MOTION, Element, plate
-from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
 
 _names = bindings(__name__)

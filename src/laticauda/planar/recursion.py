@@ -15,8 +15,8 @@ A template (see `templates`). `S` is the flat array of `rows`; `n` the number of
 # pyright: reportGeneralTypeIssues=false
 
 from laticauda.compiling import kernel
+from laticauda.compiling.functions import sincos
 from laticauda.compiling.templates import bindings
-from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
 
 loads = bindings(__name__)["loads"]
@@ -76,7 +76,7 @@ def inward(S, n, is_free, whole):
     b = HEADER_ROWS + (n - 1) * BODY_ROWS
     carried = of_body(S, b)
     for i in range(n - 2, -1, -1):
-        if whole or is_free[i + 1]:
+        if whole:
             keep_articulated(S, b, carried)
         carried = through_joint(S, b, is_free[i + 1], carried)
         b -= BODY_ROWS
@@ -147,25 +147,23 @@ def through_joint(S, j, joint_is_free, articulated):
     p0 += a01 * pull_x + a02 * pull_y
     p1 += a11 * pull_x + a12 * pull_y
     p2 += a12 * pull_x + a22 * pull_y
-    if joint_is_free:
-        left = S[j + TOTAL_TORQUE] - p0
-        give = 1.0 / (a00 + S[j + IMPLICIT])
-        S[j + TORQUE_LEFT] = left
-        S[j + GIVE] = give
-        swing = left * give
-        p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
-        g0, g1, g2 = a00 * give, a01 * give, a02 * give
-        a11, a12, a22 = a11 - a01 * g1, a12 - a01 * g2, a22 - a02 * g2
-        a00, a01, a02 = a00 - a00 * g0, a01 - a01 * g0, a02 - a02 * g0
-    else:
-        swing = S[j + REFERENCE_2]
-        p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
     arm_x = -S[b + LENGTH] * S[b + SIN]  # velocity of the joint per unit of rotation
     arm_y = S[b + LENGTH] * S[b + COS]
+    w0 = a00 + arm_x * a01 + arm_y * a02
     b01 = a01 + arm_x * a11 + arm_y * a12
     b02 = a02 + arm_x * a12 + arm_y * a22
-    b00 = a00 + arm_x * (a01 + b01) + arm_y * (a02 + b02)
-    return b00, b01, b02, a11, a12, a22, p0 + arm_x * p1 + arm_y * p2, p1, p2
+    b00 = w0 + arm_x * b01 + arm_y * b02
+    swing = S[j + REFERENCE_2]
+    if joint_is_free:  # what it gives way by has rank 1, and waits for the division at last
+        give = 1.0 / (a00 + S[j + IMPLICIT])
+        swing = (S[j + TOTAL_TORQUE] - p0) * give
+        g0, g1, g2 = w0 * give, a01 * give, a02 * give
+        for k, one in enumerate((swing, g0, g1, g2)):
+            S[j + SWING + k] = one
+        b00, b01, b02 = b00 - w0 * g0, b01 - w0 * g1, b02 - w0 * g2
+        a11, a12, a22 = a11 - a01 * g1, a12 - a01 * g2, a22 - a02 * g2
+    p0 += arm_x * p1 + arm_y * p2
+    return b00, b01, b02, a11, a12, a22, p0 + w0 * swing, p1 + a01 * swing, p2 + a02 * swing
 
 
 @kernel
@@ -193,22 +191,18 @@ def outward(S, n, is_free, whole):
         b = H + i * BODY_ROWS
         if i > 0:
             a = b - BODY_ROWS
+            swing = S[b + REFERENCE_2]
+            if is_free[i]:
+                swing = S[b + SWING] - S[b + GIVE_X] * qx - S[b + GIVE_Y] * qy - S[b + GIVE] * spin
+                S[b + ACCELERATION] = swing
             pull_x, pull_y = centripetal(S, a)
             turn = S[a + LENGTH] * spin
-            qx -= turn * S[a + SIN]  # carried along by the body behind
-            qy += turn * S[a + COS]
-            if is_free[i]:
-                load = S[b + A00] * spin + S[b + A01] * qx + S[b + A02] * qy
-                swing = (S[b + TORQUE_LEFT] - load) * S[b + GIVE]
-            else:
-                swing = S[b + REFERENCE_2]
+            qx += pull_x - turn * S[a + SIN]  # carried along by the body behind
+            qy += pull_y + turn * S[a + COS]
             spin += swing
-            qx += pull_x
-            qy += pull_y
             heading += S[b + HEADING_SHARE] * swing
-            if whole or is_free[i]:
-                S[b + ACCELERATION] = swing
             if whole:
+                S[b + ACCELERATION] = swing
                 S[b + LINK_ACCELERATION] = spin
                 S[b + QX] = qx
                 S[b + QY] = qy

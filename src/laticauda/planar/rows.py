@@ -6,11 +6,13 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
 and of a recording, if there are any.
 """
 
-from laticauda.actuation.laws import FIRST_FREE as FIRST_FREE
-from laticauda.actuation.laws import JOINT
-from laticauda.actuation.laws import LOCKED as LOCKED
-from laticauda.actuation.laws import PASSIVE as PASSIVE
-from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
+from laticauda.actuation.laws import (
+    FIRST_FREE as FIRST_FREE,
+    JOINT,
+    LOCKED as LOCKED,
+    PASSIVE as PASSIVE,
+    PRESCRIBED as PRESCRIBED,
+)
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.gaits.reference import WaveState
 
@@ -151,8 +153,10 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     P0,  # bias force
     P1,
     P2,
-    TORQUE_LEFT,  # free joints: torque minus bias
-    GIVE,  # free joints: 1 / (S^T I S + what the joint law adds)
+    SWING,  # free joints: phi'' if the body behind did not accelerate
+    GIVE,  # what phi'' is less per acceleration of the body behind: rotation, and its tail end
+    GIVE_X,
+    GIVE_Y,
     LINK_ACCELERATION,  # theta''
     QX,  # acceleration of the tail end of this body
     QY,
@@ -161,7 +165,7 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(JOINT_ROWS, 79)
+) = range(JOINT_ROWS, 81)
 
 # --- One record per fin strip: the rows of an element, from CENTER on -------------------------------------------------
 (MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T))

@@ -22,8 +22,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import Annotated, Any, Literal, NamedTuple, cast, get_args, get_origin, get_type_hints
 
-from laticauda.errors import BadArgument, LaticaudaError, finite
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, LaticaudaError, finite, optional_import
 from laticauda.protocol import messages
 from laticauda.protocol.messages import N_NODES, Signal
 from laticauda.quantities import option, quantity, value

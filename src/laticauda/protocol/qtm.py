@@ -57,12 +57,7 @@ class Component(IntEnum):
     BODIES_EULER_RESIDUAL = 12
 
 
-COMPONENTS = {
-    "6d": Component.BODIES,
-    "6deuler": Component.BODIES_EULER,
-    "6dres": Component.BODIES_RESIDUAL,
-    "6deulerres": Component.BODIES_EULER_RESIDUAL,
-}
+COMPONENTS: dict[str, Component] = dict(zip(("6d", "6deuler", "6dres", "6deulerres"), Component, strict=True))
 WITH_RESIDUAL = (Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
 EULER = (Component.BODIES_EULER, Component.BODIES_EULER_RESIDUAL)
 

@@ -7,28 +7,32 @@ and sets `title`, the block `introduction`, and `chapters` (names, titles, texts
     mine = partial(templates, "my.package")
     chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": rows}, templates=mine)
     files, html = write_chapter(chapter, writable_folder("out"))
+
+Numbers and tables are rounded on a page, and have all digits in a CSV file.
 """
 
 import base64
 import io
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from laticauda.errors import BadArgument
-from laticauda.extras import optional_import
-from laticauda.files import local, write
-from laticauda.reports.texts import Row, as_csv, form_of, in_digits, is_numeric, share, shown, span
+import numpy as np
+
+from laticauda.errors import BadArgument, optional_import
+from laticauda.files import csv_text, local, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from laticauda.trial import Trial
 
+Row = dict[str, Any]
+"""Of a table, by column; all rows have the columns of the first."""
 Pictures = Mapping[str, tuple[str, bytes]]
 """By name of the figure: its caption and the content of its PNG file."""
 
@@ -74,7 +78,7 @@ class Chapter:
     values: Mapping[str, Any]
     """What the template speaks of, beside its `tables` and `pictures`."""
     tables: Mapping[str, Sequence[Row]] = field(default_factory=dict[str, Sequence[Row]])
-    """Written as CSV files under their names; None and nan are missing."""
+    """Written as CSV files under their names; None and what is not finite are missing."""
     n_figures: int = 0
     """How many figures there are [-]."""
     figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
@@ -162,3 +166,94 @@ def _base64(content: bytes) -> str:
 
 def _upper_first(text: str) -> str:
     return text[:1].upper() + text[1:]
+
+
+# ---- numbers and tables ---------------------------------------------------------------------------------------------
+
+
+def in_digits(value: float, form: str = "") -> str:
+    """A number as a page shows it: with a real minus, and what is rounded to zero without a sign.
+
+    Args:
+        value: Any number.
+        form: As in `format`; "" shows six digits.
+    """
+    text = format(value, form or "g")
+    if not any(digit in text for digit in "123456789"):
+        text = text.lstrip("+-")
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def shown(cell: Any, form: str = "") -> str:
+    """A cell of a table as a page shows it.
+
+    Args:
+        cell: A text, a number, a truth, or None; that and what is not finite are shown as NA.
+        form: Of a number, as in `format`.
+    """
+    if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
+        return "NA"
+    plain = _plain(cell)
+    return plain if isinstance(cell, str) or plain in ("yes", "no") else in_digits(cell, form)
+
+
+def is_numeric(rows: Iterable[Row], column: str) -> bool:
+    """Whether a column holds numbers: they end one below the other.
+
+    Args:
+        rows: The table.
+        column: Its name.
+    """
+    known = [row[column] for row in rows if shown(row[column]) != "NA"]
+    return bool(known) and not any(isinstance(cell, str | bool | np.bool_) for cell in known)
+
+
+def form_of(column: str, forms: Mapping[str, str]) -> str:
+    """How a column's numbers are shown: the form of the longest key that its name ends with.
+
+    Args:
+        column: Its name.
+        forms: By the end of a column's name, as in `format`.
+    """
+    return max(((len(end), form) for end, form in forms.items() if column.endswith(end)), default=(0, ""))[1]
+
+
+def span(values: Iterable[float], form: str = "") -> str:
+    """From the smallest to the largest of several values.
+
+    Args:
+        values: At least one.
+        form: As in `format`.
+    """
+    known = [*values]
+    low, high = in_digits(min(known), form), in_digits(max(known), form)
+    return low if low == high else f"{low} to {high}"
+
+
+def share(part: int, whole: int) -> str:
+    """How many of them: "all 12", "none of the 12", "3 of the 12".
+
+    Args:
+        part: How many.
+        whole: Of how many.
+    """
+    return f"all {whole}" if part == whole else f"none of the {whole}" if part == 0 else f"{part} of the {whole}"
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    """The content of a table's CSV file; ten digits hide the noise of the last bits, and missing cells are empty.
+
+    Args:
+        rows: The table.
+    """
+    heads = [*rows[0]] if rows else []
+    return csv_text([heads, *([_plain(row[head]) for head in heads] for row in rows)], "\n")
+
+
+def _plain(cell: Any) -> Any:
+    """A cell as a CSV file has it."""
+    if isinstance(cell, bool | np.bool_):
+        return "yes" if cell else "no"
+    if not isinstance(cell, float):
+        return cell
+    return f"{cell:.10g}" if math.isfinite(cell) else ""

@@ -19,7 +19,7 @@ import laticauda as lc
 from laticauda.figures import path, style
 from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
-from laticauda.studies.trials import QUANTITIES
+from laticauda.studies.sweep import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured
 
 Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]

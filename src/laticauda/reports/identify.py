@@ -1,7 +1,6 @@
 """An identification for readers: identify.html, the parameter file, figures, tables and fit.json in one folder."""
 
 import hashlib
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from laticauda import extensions, packaging
-from laticauda.files import write
+from laticauda.files import plain, to_json, write
 from laticauda.identify.result import ParameterEstimate
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
-from laticauda.reports import chapter, texts
-from laticauda.reports.texts import Row
+from laticauda.reports import chapter
+from laticauda.reports.chapter import Row
 
 _PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
@@ -37,7 +36,7 @@ def write_identification(done: Validation, folder: str | Path, *, command: str =
     """
     place = chapter.writable_folder(folder)
     done.task.parameters(done.found).save(place / "parameters.toml")
-    write(place / "fit.json", json.dumps(as_dict(done, command), indent=2, allow_nan=False) + "\n")
+    write(place / "fit.json", to_json(as_dict(done, command)) + "\n")
     files, html = chapter.write_chapter(identification_chapter(done, command), place)
     write(place / "identify.html", html)
     return ["identify.html", "parameters.toml", "fit.json", *files]
@@ -76,20 +75,16 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         command: What made it.
     """
     found = done.found
-    return {
+    facts: dict[str, Any] = {
         "status": found.status,
         "parameters": [row | {"best": found.values[row["name"]]} for row in found.table()],
         "profiles": {**done.profiles},
-        "correlations": {
-            "names": list(found.problem.names),
-            "matrix": [[finite(value) for value in row] for row in found.correlations.tolist()],
-        },
+        "correlations": {"names": found.problem.names, "matrix": found.correlations.tolist()},
         "directions": [
-            {"name": one.name, "sigma": finite(one.sigma), "is_seen": one.is_seen}
-            for one in found.identifiability.directions
+            {"name": one.name, "sigma": one.sigma, "is_seen": one.is_seen} for one in found.identifiability.directions
         ],
         "chi2": found.chi2,
-        "noise_factor": finite(found.noise_factor),
+        "noise_factor": found.noise_factor,
         "noise": found.method.noise,
         "confidence": found.method.confidence,
         "errors_percent": {
@@ -97,7 +92,7 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
             "left_out_is_linearized": done.is_linearized,
             "null_models": [
                 {"name": null.name, "n_parameters": null.n_parameters}
-                | {name: finite(getattr(null, name)) for name in done.errors}
+                | {name: getattr(null, name) for name in done.errors}
                 for null in done.null_models
             ],
         },
@@ -105,7 +100,7 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
             {
                 "start": found.problem.named(one.start),
                 "end": found.problem.named(one.end),
-                "cost": finite(one.cost),
+                "cost": one.cost,
                 "converged": one.converged,
             }
             for one in found.searches
@@ -117,6 +112,7 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         "command": command,
         "version": packaging.__version__,
     }
+    return plain(facts)
 
 
 def sources_of(task: Task) -> dict[str, str]:
@@ -175,7 +171,7 @@ def _value_of(one: ParameterEstimate) -> Row:
 
 
 def _end(value: float) -> str:
-    return texts.in_digits(value, ".4g") if math.isfinite(value) else "any"
+    return chapter.in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
 def _began(done: Validation) -> list[Row]:
@@ -188,11 +184,7 @@ def _directions(done: Validation) -> list[Row]:
     """What the measurements see of combinations."""
     shown = done.found.problem.of_interest
     return [
-        {
-            "combination": one.name.replace("`", ""),
-            "standard deviation [-]": finite(one.sigma),
-            "seen": one.is_seen,
-        }
+        {"combination": one.name.replace("`", ""), "standard deviation [-]": one.sigma, "seen": one.is_seen}
         for one in done.found.identifiability.directions
         if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
     ]
@@ -202,7 +194,7 @@ def _residuals(done: Validation) -> list[Row]:
     """Every measurement beside its prediction, by this fit and by the others."""
     problem, rows = done.found.problem, list[Row]()
     for row, place in zip(done.found.residuals, problem.places, strict=True):
-        without = None if place.is_series else finite(float(done.left_out[place.at.start]))
+        without = None if place.is_series else float(done.left_out[place.at.start])
         first = {name: row[name] for name in ("group", "measurement", "what", "unit", "measured", "predicted")}
         rows.append(first | {"left out": without} | row)
     return sorted(rows, key=lambda row: problem.groups.index(row["group"]))
@@ -235,7 +227,7 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
         models.append((name, len(done.found.estimates), done.found.chi2, *done.errors.values()))
     first = next(iter(every.values()))
     for null in first.null_models:
-        errors = [finite(getattr(null, name)) for name in first.errors]
+        errors = [getattr(null, name) for name in first.errors]
         models.append((f"null model: {null.name}", null.n_parameters, None, *errors))
     heads = ("model", "numbers fitted", "chi^2", "fitted [%]", "measurement left out [%]", "group left out [%]")
     return [dict(zip(heads, model, strict=True)) for model in models]
@@ -260,12 +252,3 @@ def _correlations(done: Validation) -> list[Row]:
     names = done.found.problem.names
     rows = zip(names, done.found.correlations.tolist(), strict=True)
     return [{"parameter": name} | dict(zip(names, row, strict=True)) for name, row in rows]
-
-
-def finite(value: float) -> float | None:
-    """A number, or None for what is infinite or not known.
-
-    Args:
-        value: Any.
-    """
-    return float(value) if math.isfinite(value) else None

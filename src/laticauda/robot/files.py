@@ -18,10 +18,9 @@ from os import sep
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, cast, overload
 
-from laticauda import files, gaits
+from laticauda import extensions, files, gaits
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
 from laticauda.errors import BadArgument, RobotFileError, nearest
-from laticauda.extensions import name_of
 from laticauda.fluid.flow import Flow
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
@@ -61,7 +60,7 @@ def to_toml(thing: Described) -> str:
 
     if not isinstance(thing, (*KINDS.values(), Flow)):
         raise BadArgument("thing", f"must be a Robot, Water, Ground or Flow, got {type(thing).__name__}")
-    return tomli_w.dumps(stamped(name_of(type(thing)), encode(thing)))
+    return tomli_w.dumps(stamped(extensions.name_of(type(thing)), encode(thing)))
 
 
 @overload
@@ -142,7 +141,7 @@ def _complete(
         is_flow = kind is Flow or (kind is None and table.get("kind") in Flow.names())
         word = take_kind(table, *(Flow.names() if is_flow else KINDS))
         if kind not in (None, KINDS.get(word, Flow)):
-            raise BadKey("kind", f'must be "{name_of(cast(type, kind))}" here, got {word!r}')
+            raise BadKey("kind", f'must be "{extensions.name_of(cast(type, kind))}" here, got {word!r}')
     base = table.pop("extends", None)
     if base is not None:
         table = {**_inherited(base, shown, path, "current" if is_flow else word, parents), **table}

@@ -29,7 +29,7 @@ from laticauda import codec, files
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
 from laticauda.fluid.laws import DragLaw
-from laticauda.gaits.envelopes import kinds
+from laticauda.gaits.gait import kinds
 from laticauda.quantities import hints_of, option, quantities_of, value
 from laticauda.robot.body import Actuator, Joint
 from laticauda.robot.effectors import CaudalFin, Tether
@@ -42,10 +42,7 @@ Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 
 SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
 OF_ROBOT = ("active_power", "electronics_power")
-REFUSED = {
-    "axis": "a parameter file does not turn joints",
-    "actuator": "the table `actuator` beside it is for that",
-}
+REFUSED = {"axis": "a parameter file does not turn joints", "actuator": "the table `actuator` beside it is for that"}
 NAMES = (*SECTIONS, "robot")
 
 
@@ -144,9 +141,7 @@ class Parameters:
     own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
     changes: Adjustments = option("Of a robot, by table", default_factory=dict[str, dict[str, Any]], check=_checked)
     own_changes: Mapping[str, Adjustments] = option(
-        "By kind of gait: what it changes besides",
-        default_factory=dict[str, Adjustments],
-        check=_checked_by_gait,
+        "By kind of gait: what it changes besides", default_factory=dict[str, Adjustments], check=_checked_by_gait
     )
 
     def __post_init__(self) -> None:

@@ -14,6 +14,8 @@ from laticauda.robot import body, effectors
 
 Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)
+MOST_LINKS = 10_000
+"""More are a slip, and would fill the memory."""
 Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
 End: TypeAlias = Literal["faired", "round", "blunt"]
 
@@ -147,9 +149,9 @@ class Robot:
             n_links: The number of links to have; effectors stay on the links that they are on.
 
         Raises:
-            ValueError: If its modules or its joints are not all alike, or `n_links` is no whole number >= 1.
+            ValueError: If its modules or its joints are not all alike, or `n_links` is not from 1 to 10 000.
         """
-        n = whole("n_links", n_links, 1)
+        n = whole("n_links", n_links, 1, MOST_LINKS)
         if n == self.n_links:
             return self
         if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:

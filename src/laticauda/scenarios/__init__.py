@@ -10,12 +10,12 @@ if TYPE_CHECKING:
     from laticauda.scenarios.building import ModelChanges as ModelChanges, default_water as default_water
     from laticauda.scenarios.building import model_of as model_of, named_after as named_after
     from laticauda.scenarios.building import preset_water as preset_water, water_for as water_for
-    from laticauda.scenarios.coding import run_from_table as run_from_table, run_from_toml as run_from_toml
-    from laticauda.scenarios.coding import run_to_toml as run_to_toml, unknown_in as unknown_in
+    from laticauda.scenarios.toml import run_from_table as run_from_table, run_from_toml as run_from_toml
+    from laticauda.scenarios.toml import run_to_toml as run_to_toml, unknown_in as unknown_in
     from laticauda.scenarios.scenario import MODELS as MODELS, Experiment as Experiment, Model as Model
     from laticauda.scenarios.scenario import Planar as Planar, Scenario as Scenario, Spatial as Spatial
     from laticauda.scenarios.scenario import loop_in_words as loop_in_words, settings_of as settings_of
-    from laticauda.scenarios.scenario_files import load_scenario as load_scenario, save_scenario as save_scenario
-    from laticauda.scenarios.scenario_files import scenario_from_table as scenario_from_table
+    from laticauda.scenarios.toml import load_scenario as load_scenario, save_scenario as save_scenario
+    from laticauda.scenarios.toml import scenario_from_table as scenario_from_table
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -6,10 +6,9 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
-from laticauda import robot as robots
+from laticauda import extensions, robot as robots
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, instance, nearest, one_of
-from laticauda.extensions import name_of
 from laticauda.formulas import Law
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
@@ -279,7 +278,7 @@ def _differences(changed: Any, before: Any) -> Mapping[str, Any]:
 def _plain(value: Any) -> str:
     """A field's value as a name shows it."""
     if isinstance(value, Law):
-        return name_of(type(value))
+        return extensions.name_of(type(value))
     if isinstance(value, tuple):
         return f"({', '.join(map(_plain, value))})"  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     if isinstance(value, bool):

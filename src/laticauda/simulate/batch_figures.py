@@ -10,8 +10,7 @@ from laticauda.gaits import Gait
 from laticauda.planar import rows
 from laticauda.planar.batch import PATH_ROWS, STEP, Block, Run
 from laticauda.robot import has_power_model
-from laticauda.trial import feasibility, metrics
-from laticauda.trial.cycles import hermite, steady_part
+from laticauda.trial import cycles, feasibility, metrics
 
 Figure = Float[np.ndarray, " n_trials"]
 
@@ -79,7 +78,7 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
     with np.errstate(all="ignore"):
         speed, power = _size(end - start) / duration, work / duration
         mean = cast(np.ndarray, np.where([powered[id(run.plant)] for run in runs], power[3], power[0]))
-        begin = hermite((steady.start - at) / step, step, (a, c), (b, d))
+        begin = cycles.hermite((steady.start - at) / step, step, (a, c), (b, d))
         found = {
             "forward_velocity": speed,
             "steady_velocity": _size(end - begin) / (duration - steady.start),
@@ -103,7 +102,7 @@ def _size(vector: np.ndarray) -> np.ndarray:
 def _steady_start(time: np.ndarray, gait: Gait) -> float:
     """Where the steady part begins [s]; nan if there is none."""
     try:
-        return steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
+        return cycles.steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
     except ValueError:
         return np.nan
 

@@ -17,11 +17,10 @@ from laticauda.planar.batch import Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
-from laticauda.simulate import batch_figures
+from laticauda.simulate import batch_figures, runner
 from laticauda.simulate.batch_figures import Figure
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
-from laticauda.simulate.runner import Progress
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, metrics
 
@@ -77,7 +76,7 @@ def swim_many(
     sample_interval: float = 0.05,
     threads: int | None = None,
     device: str = "cpu",
-    progress: Progress | None = None,
+    progress: runner.Progress | None = None,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
     """Run many scenarios of one model; or let many robots swim, each from straight and at rest.
@@ -128,7 +127,7 @@ def swim_many(
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
 
 
-def swum(scenarios: Sequence[Scenario], threads: int | None, progress: Progress | None) -> "Collected":
+def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress | None) -> "Collected":
     """The figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
     names = (*UNITS, "z")
 
@@ -188,7 +187,6 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
     Raises:
         ValueError: If they are not.
     """
-    instance("scenarios", scenarios, Sequence)
     if not scenarios:
         raise BadArgument("scenarios", "must hold at least one item, got none")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
@@ -228,7 +226,7 @@ def collected(
     duration: float,
     sample_interval: float,
     threads: int | None,
-    progress: Progress | None,
+    progress: runner.Progress | None,
     *,
     weights: Inexact[np.ndarray, " n_runs"] | None = None,
     device: str = "cpu",

@@ -18,24 +18,14 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.quantities import hints_of, quantities_of, texts_of
-from laticauda.robot import Environment, Water
-from laticauda.robot.environment import Current
+from laticauda.robot import Current, Environment, Water
 from laticauda.scenarios import Scenario
+from laticauda.trial import Trial
 
 Changes = dict[str, Any]
 
-UNITS = {
-    "forward_velocity": "m/s",
-    "steady_velocity": "m/s",
-    "mechanical_power": "W",
-    "net_power": "W",
-    "positive_power": "W",
-    "mean_power": "W",
-    "cost_of_transport": "",
-    "x": "m",
-    "y": "m",
-    "heading": "rad",
-}
+_FIGURES = "forward_velocity steady_velocity mechanical_power net_power positive_power mean_power cost_of_transport"
+UNITS = {name: getattr(Trial, name).unit for name in _FIGURES.split()} | {"x": "m", "y": "m", "heading": "rad"}
 """The figures of a trial that follow its numbers, with their units."""
 
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}

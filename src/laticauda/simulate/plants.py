@@ -79,7 +79,7 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
     from laticauda.compiling.templates import is_kept
 
     if isinstance(model, Spatial):
-        from laticauda.extras import load_mujoco
+        from laticauda.errors import load_mujoco
         from laticauda.spatial.twin import stepping
 
         load_mujoco()

@@ -253,7 +253,6 @@ def resume(
         ValueError: If the trial has no state to go on from, or not one of this plant.
         SimulationFailed: If the run blows up and `throw` is set.
     """
-    instance("trial", trial, Trial)
     steered = getattr(trial.scenario, "motion", None)  # an experiment has none
     if isinstance(steered, Controller):
         _delay(plant, cast("Controller[Any]", steered), Resumed(state={}))

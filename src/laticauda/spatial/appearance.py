@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.errors import BadArgument
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, load_mujoco
 from laticauda.files import write
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies

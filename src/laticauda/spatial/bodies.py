@@ -12,8 +12,7 @@ ones turn what is behind the hinge to the right.
 from typing import NamedTuple
 
 from laticauda.kinematics import to_quaternion, turn
-from laticauda.robot import CaudalFin, Joint, Module, PectoralFin, Piece, Robot, Thruster
-from laticauda.robot.effectors import Hinge
+from laticauda.robot import CaudalFin, Hinge, Joint, Module, PectoralFin, Piece, Robot, Thruster
 
 Three = tuple[float, float, float]
 AXES: dict[str, Three] = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}

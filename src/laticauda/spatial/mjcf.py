@@ -10,13 +10,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda.errors import instance, one_of
-from laticauda.extras import load_mujoco
+from laticauda.errors import instance, load_mujoco, one_of
 from laticauda.files import write
-from laticauda.robot import Environment, Ground, Joint, Module, Robot, Scene, Water, check_fits
+from laticauda.robot import Environment, Joint, Module, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
-from laticauda.spatial import appearance
-from laticauda.spatial import scene as scenes
+from laticauda.spatial import appearance, scene as scenes
 from laticauda.spatial.bodies import bodies, mounts
 
 ROOTS = ("free", "planar")
@@ -69,7 +67,6 @@ def spec(
         ValueError: If an argument is out of its range, or robot and environment do not fit together.
     """
     instance("robot", robot, Robot)
-    instance("environment", environment, Water, Ground)
     one_of("root", root, ROOTS)
     one_of("actuators", actuators, ACTUATORS)
     check_fits(robot, environment)

@@ -4,9 +4,7 @@ A state is one flat array: the rows below, then qpos, qvel, the links' angles, a
 every link.
 """
 
-from laticauda.actuation.laws import JOINT
-from laticauda.actuation.laws import PASSIVE as PASSIVE
-from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
+from laticauda.actuation.laws import JOINT, PASSIVE as PASSIVE, PRESCRIBED as PRESCRIBED
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.gaits.reference import WaveState
 from laticauda.mujoco_water.table import AT

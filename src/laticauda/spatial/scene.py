@@ -13,8 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, load_mujoco
 from laticauda.fluid.laws import CoulombFriction
 from laticauda.mujoco_water import Terrain
 from laticauda.quantities import option, quantity, value

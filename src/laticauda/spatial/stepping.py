@@ -37,6 +37,13 @@ HOLD = 1e8  # kg m^2
 
 
 @kernel
+def copy(values, target):
+    """Set numbers one by one: with slices, a third of what is compiled would be Numba's words for those that differ."""
+    for i in range(len(target)):
+        target[i] = values[i]
+
+
+@kernel
 def evaluate(N):
     """Accelerations at the state in the data."""
     forward_skip(N[MODEL], N[DATA], 0, 1)
@@ -292,7 +299,7 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
             sample[at + 2 * count + i] = R[0, first + i]
             sample[at + 3 * count + i] = U[first + i]
         at += 4 * count
-    sample[at:] = forces
+    copy(forces, sample[at:])
 
 
 @kernel
@@ -327,15 +334,17 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     n_q, n_v = M[N_QPOS], M[N_QVEL]
     qpos, qvel = field(M[DATA], M[AT.qpos], n_q), field(M[DATA], M[AT.qvel], n_v)
     qacc = field(M[DATA], M[AT.qacc], n_v)
-    qpos[:], qvel[:] = moving[:n_q], moving[n_q:]
+    copy(moving[:n_q], qpos)
+    copy(moving[n_q:], qvel)
     U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
     W = (N, S, Y, C, J, np.zeros((3, len(J))), U, np.zeros((2, len(J))))
     hold[:] = 0.0
+    implicit, led = False, C[IS_LED] != 0.0
     for r in range(n_robots):
+        implicit = implicit or N[r, IS_IMPLICIT] != 0
         _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
         set_reference(X, C_r, J_r, R)
         numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
-    implicit, led = N[:, IS_IMPLICIT].max() != 0, C[IS_LED] != 0.0
     two_ways = implicit and any_prescribed(J)
     if led:
         put_all(W, qpos, qvel, hold, 0.0)
@@ -359,5 +368,6 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
                 first_of_all(W, qpos, qvel, hold, GAMMA * dt)
                 evaluate(M)
             finish_ros2(W, hold, qpos, qvel, qacc, B, dt)
-    moving[:n_q], moving[n_q:] = qpos, qvel
+    copy(qpos, moving[:n_q])
+    copy(qvel, moving[n_q:])
     return written

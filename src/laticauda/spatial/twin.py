@@ -12,13 +12,12 @@ from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import FORCES, has_hinges, joint_table
-from laticauda.extras import load_mujoco
-from laticauda.mujoco_water import native, registry, table
+from laticauda.errors import load_mujoco
+from laticauda.mujoco_water import callback, native, table
 from laticauda.robot import Environment, Ground, Robot, Scene, Water
 from laticauda.scenarios import Spatial
-from laticauda.spatial import mjcf, rows, scene
+from laticauda.spatial import mjcf, rows, scene, water_robot
 from laticauda.spatial.bodies import center_of_mass, fin_bodies
-from laticauda.spatial.water_robot import on_ground, robot_elements
 
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
@@ -141,7 +140,7 @@ class Twin:
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
-            registry.install()  # somebody else may have taken the callback since
+            callback.install()  # somebody else may have taken the callback since
             if isinstance(environment, Water):
                 self.water.set_current(environment.flow or environment.uniform)
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
@@ -214,9 +213,9 @@ def stepping(joints: JointLaw) -> ModuleType:
 
 def _elements(robot: Robot, environment: Environment, setup: Spatial) -> tuple[water.Element, ...]:
     """What the water and the ground see of a robot."""
-    found = robot_elements(robot, environment, floats=floats(setup))
+    found = water_robot.robot_elements(robot, environment, floats=floats(setup))
     land = land_of(environment, setup)
-    return found if land is None else on_ground(found, robot, land, wet=not isinstance(environment, Ground))
+    return found if land is None else water_robot.on_ground(found, robot, land, wet=not isinstance(environment, Ground))
 
 
 def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from laticauda import angles, files, scenarios
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument
 from laticauda.robot import Joint, Module, Robot
 from laticauda.spatial.appearance import MATERIALS, checked, copied, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
@@ -32,7 +32,6 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     Raises:
         ValueError: If there are meshes, but not one per module.
     """
-    instance("robot", robot, Robot)
     if meshes and len(meshes) != robot.n_links:
         raise BadArgument("meshes", f"must be one file per module, {robot.n_links}, or none, got {len(meshes)}")
     root = ET.Element("robot", name=robot.name)

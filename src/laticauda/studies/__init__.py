@@ -2,7 +2,7 @@
 
 from laticauda.packaging import lazy_exports
 from laticauda.studies.averaged import averaged_model as averaged_model
-from laticauda.studies.front import Front as Front, unbeaten as unbeaten
+from laticauda.studies.optimization import Front as Front, unbeaten as unbeaten
 from laticauda.studies.optimization import OBJECTIVES as OBJECTIVES, SPEED_POWER as SPEED_POWER
 from laticauda.studies.optimization import Optimization as Optimization
 from laticauda.studies.optimize import optimize as optimize

@@ -4,13 +4,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from laticauda.control import AveragedModel, OffsetSteps, fit_averaged
-from laticauda.dynamics.plant import Plant
+import laticauda as lc
+from laticauda import control, gaits, simulate
 from laticauda.errors import BadArgument, whole
-from laticauda.gaits import Gait
-from laticauda.robot import Water
-from laticauda.simulate import run
-from laticauda.trial import Trial
 
 N_TRIALS = 4
 AROUND = 1.0 / 3.0
@@ -18,13 +14,13 @@ AROUND = 1.0 / 3.0
 
 
 def averaged_model(
-    plant: Plant[Any],
-    gait: Gait,
+    plant: lc.Plant[Any],
+    gait: gaits.Gait,
     frequency_limits: tuple[float, float] | None = None,
     *,
     n_trials: int = N_TRIALS,
     progress: Callable[[float], None] | None = None,
-) -> AveragedModel:
+) -> control.AveragedModel:
     """Learn how a gait moves a robot, from trials at several frequencies whose offset goes up and down in steps.
 
     Args:
@@ -49,12 +45,12 @@ def averaged_model(
     if not 0.0 < low < high:
         raise BadArgument("frequency_limits", f"must be 0 < least < greatest in rad/s, got {low:g} and {high:g}")
     frequencies = [low + (high - low) * k / (n_trials - 1) for k in range(n_trials)]
-    turns = [OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
-    water, trials = plant.environment, list[Trial]()
-    if isinstance(water, Water) and water.flow is not None:
+    turns = [control.OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
+    water, trials = plant.environment, list[lc.Trial]()
+    if isinstance(water, lc.Water) and water.flow is not None:
         plant = replace(plant, environment=water.still)
     for k, each in enumerate(turns):
-        trials.append(run(plant, each, each.duration))
+        trials.append(simulate.run(plant, each, each.duration))
         if progress is not None:
             progress((k + 1) / n_trials)
-    return fit_averaged(trials)
+    return control.fit_averaged(trials)

@@ -9,8 +9,6 @@ A worker that dies takes its tasks with it, and the scheduler gives them to othe
 sweep with an error; what was stored stays, and the next call goes on from there.
 """
 
-from __future__ import annotations
-
 import logging
 import queue
 import socket
@@ -19,11 +17,10 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from laticauda.errors import ClusterFailed, LaticaudaError
-from laticauda.extras import optional_import
+from laticauda import scenarios
+from laticauda.errors import ClusterFailed, LaticaudaError, optional_import
 from laticauda.packaging import __version__
-from laticauda.scenarios import Scenario
-from laticauda.studies.trials import Column, Table, swim_points
+from laticauda.studies.sweep import Column, Table, swim_points
 
 Found = tuple[int, Table, dict[str, Column]]
 
@@ -76,7 +73,7 @@ def connected(address: str | None) -> Generator[Any]:
 
 
 def swim_on(
-    client: Any, scenario: Scenario, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]
+    client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]
 ) -> Iterator[Found]:
     """Let the workers of a cluster swim the points of some regions.
 
@@ -156,7 +153,7 @@ def _counted(client: Any) -> Iterator[int]:
     raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
 
 
-def _swim(version: str, scenario: Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
+def _swim(version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
     """Runs on a worker, one thread per task: the worker has as many tasks as threads."""
     if version != __version__:
         raise ClusterFailed(f"the workers must have laticauda {version} as this process has, got {__version__}.")

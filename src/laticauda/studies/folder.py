@@ -5,17 +5,14 @@ never holds results of two jobs. While a process works there it has the folder's
 however that ends.
 """
 
-from __future__ import annotations
-
-import errno
 import json
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.errors import BadArgument, StorageFailed
-from laticauda.files import local, locked
+from laticauda.errors import BadArgument, MissingExtra, StorageFailed
+from laticauda.files import is_full, local, locked
 
 FORMAT = 2
 """Of the definitions: 1, without a number, held no scenario."""
@@ -111,12 +108,33 @@ def storage(path: Path, kept: str) -> Generator[None]:
         yield
     except OSError as failure:  # a StorageFailed of one file is one too
         error = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        full = is_full(error)
         reason = "the disk is full" if full else (error.strerror or str(error)).lower()
         advice = "make room" if full else "put that right"
         raise StorageFailed(
             f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to go on."
         ) from error
+
+
+@contextmanager
+def readable(path: Path, file: str) -> Generator[None]:
+    """Within it, what any library says of a damaged file is a complaint about its folder.
+
+    Args:
+        path: The folder.
+        file: What is read there.
+
+    Raises:
+        ValueError: In place of any other error.
+    """
+    try:
+        yield
+    except MissingExtra:
+        raise
+    except Exception as error:
+        if isinstance(error, BadArgument) and error.name == "folder":
+            raise
+        raise BadArgument("folder", f"must hold a readable `{file}`, got {path}: {str(error).rstrip('.')}") from error
 
 
 def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:

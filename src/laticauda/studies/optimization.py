@@ -1,19 +1,28 @@
-"""What is optimized: which numbers may change within which bounds, for which objectives, within which limits."""
+"""What is optimized: which numbers may change within which bounds, for which objectives, within which limits.
 
-from __future__ import annotations
+And what was found: the points that no other one beats, and the measure of how good they are together.
+"""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from jaxtyping import Bool, Float
 
+import laticauda as lc
 from laticauda.errors import BadArgument, one_of
+from laticauda.files import write
+from laticauda.logs.tabular import csv_text
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
-from laticauda.studies import sampling, trials
-from laticauda.studies.trials import QUANTITIES, Column, Table
+from laticauda.studies import sampling, sweep
+from laticauda.studies.sweep import COSTS, FIGURES, QUANTITIES, Column, Table, attributes_of, scenarios_at
 from laticauda.trial.feasibility import ROUNDING
+
+if TYPE_CHECKING:
+    import xarray
 
 OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
 """What can be optimized: speeds are to be great, powers and the cost of transport small."""
@@ -62,7 +71,7 @@ class Optimization(Limits):
         ('forward_velocity', 'mechanical_power')
     """
 
-    scenario: Scenario = option("What all trials share; by the planar model")
+    scenario: lc.Scenario = option("What all trials share; by the planar model")
     bounds: Mapping[str, tuple[float, float]] = option(
         "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
     )
@@ -70,8 +79,8 @@ class Optimization(Limits):
 
     def __post_init__(self) -> None:
         """Check what goes together."""
-        trials.check_scenario(self.scenario)
-        trials.check_ranges(self.scenario, self.bounds, "bounds")
+        sweep.check_scenario(self.scenario)
+        sweep.check_ranges(self.scenario, self.bounds, "bounds")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -81,7 +90,7 @@ class Optimization(Limits):
     def definition(self) -> dict[str, Any]:
         """All that the trials depend on, for a file."""
         return {
-            **trials.definition_of(self.scenario),
+            **sweep.definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
             **{name: getattr(self, name) for name in Limits.__dataclass_fields__},
@@ -122,12 +131,12 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     """
     scenario, names = optimization.scenario, optimization.names
     limit = optimization.joint_rate_limit
-    violation = np.array([_beyond(one, limit) for one in trials.scenarios_at(scenario, names, table)])
+    violation = np.array([_beyond(one, limit) for one in scenarios_at(scenario, names, table)])
     swims = violation == 0.0
     found: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     found["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        for name, values in trials.swim_points(scenario, names, table[swims], threads).items():
+        for name, values in sweep.swim_points(scenario, names, table[swims], threads).items():
             found[name][swims] = values
     if not optimization.beyond_actuators:
         excess = found["utilization"] - 1.0
@@ -140,18 +149,18 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     return found
 
 
-def losses(names: Sequence[str], found: Mapping[str, Column]) -> np.ndarray:
+def losses(names: Sequence[str], found: Mapping[str, np.ndarray]) -> np.ndarray:
     """Objectives as numbers of which the least is the best, a column each; 0 where there is none.
 
     Args:
         names: Of the objectives.
         found: Values by name.
     """
-    columns = [found[name] if name in trials.COSTS else -found[name] for name in names]
+    columns = [found[name] if name in COSTS else -found[name] for name in names]
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 
-def _beyond(scenario: Scenario, joint_rate_limit: float | None) -> float:
+def _beyond(scenario: lc.Scenario, joint_rate_limit: float | None) -> float:
     """How far a gait goes beyond what the joints can do, relative to that."""
     body, gait = scenario.robot.planar(), scenario.gait
     widest = 0.0
@@ -161,3 +170,133 @@ def _beyond(scenario: Scenario, joint_rate_limit: float | None) -> float:
         if joint_rate_limit is not None:
             widest = max(widest, swing * gait.frequency / joint_rate_limit)
     return max(0.0, widest - 1.0)
+
+
+# ---- what was found -------------------------------------------------------------------------------------------------
+
+Losses = Float[np.ndarray, "n_points n_objectives"]
+POINT = "point"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Front:
+    """The points that no other one beats in every objective, of all that were tried; one point for one objective.
+
+    They are in rising order of the last objective. There is none if no point was feasible.
+    """
+
+    optimization: Optimization
+    """What was optimized."""
+    values: Table
+    """Of the parameters, a row per point, a column per name of `optimization.names` (SI, radians)."""
+    figures: Mapping[str, Column]
+    """By name, a value per point of every quantity of a sweep."""
+    n_trials: int
+    """How many points were tried."""
+    n_infeasible: int
+    """How many of them were not feasible; see `Optimization`."""
+    seed: int
+    """Of the search."""
+
+    def __len__(self) -> int:
+        """Number of points."""
+        return len(self.values)
+
+    def scenario(self, point: int) -> lc.Scenario:
+        """The scenario of a point.
+
+        Args:
+            point: Its number.
+        """
+        sought = self.optimization
+        return scenarios_at(sought.scenario, sought.names, self.values[[point]])[0]
+
+    def gait(self, point: int) -> lc.Gait:
+        """The gait of a point.
+
+        Args:
+            point: Its number.
+        """
+        return self.scenario(point).gait
+
+    def point(self, point: int) -> dict[str, float]:
+        """The parameters and all figures of a point by name.
+
+        Args:
+            point: Its number.
+        """
+        figures = {name: float(self.figures[name][point]) for name in FIGURES}
+        return dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
+
+    def spread(self, count: int) -> list[int]:
+        """Numbers of points that lie evenly along the front, its ends included.
+
+        Args:
+            count: How many at most.
+        """
+        if len(self) <= count:
+            return list(range(len(self)))
+        columns = [self.figures[name] for name in self.optimization.objectives]
+        scaled = np.stack([column / np.ptp(column) for column in columns], axis=1)
+        way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1))))
+        wanted = np.linspace(0.0, float(way[-1]), count)
+        return sorted({int(np.argmin(np.abs(way - at))) for at in wanted})
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """The front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
+        import xarray
+
+        known = parameters(self.optimization.scenario)
+        coordinates = {
+            name: (POINT, column, {"long_name": known[name].title, "units": known[name].unit or "1"})
+            for name, column in zip(self.optimization.names, self.values.T, strict=True)
+        }
+        variables = {
+            name: (POINT, self.figures[name], {"long_name": QUANTITIES[name][1], "units": QUANTITIES[name][0]})
+            for name in FIGURES
+        }
+        attributes = {
+            "title": f"Best in {' and '.join(self.optimization.objectives)}",
+            **attributes_of(self.optimization.scenario),
+            "n_trials": self.n_trials,
+            "n_infeasible": self.n_infeasible,
+            "seed": self.seed,
+        }
+        return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+
+    def write_netcdf(self, path: str | Path) -> None:
+        """Write the front to a netCDF file.
+
+        Args:
+            path: The file; an older one of that name is replaced.
+        """
+        found: Any = self.to_dataset()
+        write(path, lambda new: found.to_netcdf(new, engine="netcdf4"))
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write the front to a CSV file: a row per point, SI units, angles in radians.
+
+        Args:
+            path: The file; an older one of that name is replaced.
+        """
+        found: Any = self.to_dataset()
+        columns: dict[str, Any] = {**found.coords, **found.data_vars}
+        units = {name: "-" if column.units == "1" else column.units for name, column in columns.items()}
+        write(path, csv_text([(name, units[name], column.to_numpy()) for name, column in columns.items()]))
+
+
+def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
+    """Which points no other one beats: none is better in one objective and as good in the others.
+
+    Of equal points the first counts.
+
+    Args:
+        losses: One or two objectives, smaller is better.
+    """
+    kept = np.zeros(len(losses), dtype=bool)
+    least = np.inf
+    # In rising order of the first objective, a point is beaten unless it is the best so far in the last one.
+    for i in np.lexsort((np.arange(len(losses)), losses[:, -1], losses[:, 0])):
+        if losses[i, -1] < least:
+            kept[i], least = True, losses[i, -1]
+    return kept

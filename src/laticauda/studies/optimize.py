@@ -12,11 +12,8 @@ derivatives and no scale for the parameters, keeps to the bounds, and its genera
 numbers do not adapt: pymoo's adaptation draws from a generator that cannot be seeded.
 """
 
-from __future__ import annotations
-
 import io
 import json
-import zipfile
 from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
@@ -25,13 +22,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, instance, whole
-from laticauda.extras import optional_import
-from laticauda.files import write
-from laticauda.studies.folder import as_stored, check_same, owned, storage
-from laticauda.studies.front import Front, unbeaten
-from laticauda.studies.optimization import VIOLATION, Optimization, evaluate, losses
-from laticauda.studies.trials import QUANTITIES, Progress, Table, silent
+from laticauda import files
+from laticauda.errors import BadArgument, optional_import, whole
+from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
+from laticauda.studies.optimization import VIOLATION, Front, Optimization, evaluate, losses, unbeaten
+from laticauda.studies.sweep import QUANTITIES, Progress, Table, silent
 
 CHECKPOINT, JOB = "checkpoint.npz", "optimization"
 DEFINITION, POINTS = "definition", "points"
@@ -66,15 +61,17 @@ class Checkpoint:
         """
         if self.folder is None or not (self.folder / CHECKPOINT).exists():
             return
-        try:
+        with readable(self.folder, CHECKPOINT):
             content = io.BytesIO((self.folder / CHECKPOINT).read_bytes())
             with np.load(content, allow_pickle=False) as file:
-                stored: Any = json.loads(str(file[DEFINITION]))
+                stored: dict[str, Any] = dict(json.loads(str(file[DEFINITION])))
                 tried = {name: file[name] for name in (POINTS, *COLUMNS)}
-        except (ValueError, KeyError, EOFError, OSError, RuntimeError, zipfile.BadZipFile) as error:
-            raise BadArgument("folder", f"must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}") from error
         check_same(self.folder, JOB, stored, self.definition)
-        if tried[POINTS].ndim != 2 or len({len(column) for column in tried.values()}) > 1:
+        of_kind = all(
+            (one.dtype, one.shape[1:], one.ndim) == (mine.dtype, mine.shape[1:], mine.ndim)
+            for one, mine in zip(tried.values(), self.tried.values(), strict=True)
+        )
+        if not of_kind or len({len(column) for column in tried.values()}) > 1:
             raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
         self.tried = tried
 
@@ -93,7 +90,7 @@ class Checkpoint:
             return
         arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), **self.tried}
         with storage(self.folder, f"{before} trials are stored"):
-            write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))
+            files.write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))
 
 
 POPULATION = {1: 40, 2: 100}
@@ -211,7 +208,6 @@ def optimize(
         StorageFailed: If the checkpoint cannot be written. Nothing that was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
-    instance("optimization", optimization, Optimization)
     usual = POPULATION[len(optimization.objectives)]
     population = whole("population", usual if population is None else population, LEAST_POPULATION)
     whole("budget", budget, population)

@@ -11,8 +11,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, finite, optional_import
 from laticauda.quantities import option, quantity, value
 
 Values = Float[np.ndarray, " n_values"]

@@ -10,8 +10,6 @@ half written, and a full disk does not keep it off. What is killed in between is
 bits. (This holds for killed programs; after a power failure the file system has its own say.)
 """
 
-from __future__ import annotations
-
 import json
 import math
 import shutil
@@ -24,12 +22,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, one_of, whole
-from laticauda.extras import optional_import
+from laticauda.errors import BadArgument, one_of, optional_import, whole
 from laticauda.files import local, read_text, write
 from laticauda.simulate.numbers import parameters
-from laticauda.studies import trials
-from laticauda.studies.folder import as_stored, check_same, owned, storage
+from laticauda.studies import sweep as sweeps
+from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.sampling import Grid
 from laticauda.studies.sweep import Regions, Sweep, extent
 
@@ -63,7 +60,7 @@ class Store:
         """Numbers of the regions that are still to come, in rising order."""
         return np.flatnonzero(~self.done).tolist()
 
-    def write(self, index: int, table: trials.Table, found: Mapping[str, trials.Column]) -> None:
+    def write(self, index: int, table: sweeps.Table, found: Mapping[str, sweeps.Column]) -> None:
         """Store a region, then mark it.
 
         Args:
@@ -109,20 +106,24 @@ def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume:
             marks = held.enter_context((path / DONE).open("r+b", buffering=0))
             for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
                 left.unlink(missing_ok=True)
-            group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
+            with readable(path, RESULTS):
+                group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
+                arrays = {name: group[name] for name in _by_region(sweep)}
+                for name, array in arrays.items():
+                    if (array.shape, array.chunks) != (regions.shape, regions.block):
+                        raise BadArgument(name, f"must have shape {regions.shape}, got {array.shape}")
         done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
         if done.size != regions.count:
             raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
         if done.any() and not resume:
             raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
         n_done = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
-        arrays = {name: group[name] for name in _by_region(sweep)}
         yield Store(
             folder=path, sweep=sweep, regions=regions, done=done.copy(), n_done=n_done, arrays=arrays, marks=marks
         )
 
 
-def open_sweep(folder: str | Path) -> xarray.Dataset:
+def open_sweep(folder: str | Path) -> "xarray.Dataset":
     """The results of a sweep, finished or not, read when they are used.
 
     A grid has a dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
@@ -143,8 +144,11 @@ def open_sweep(folder: str | Path) -> xarray.Dataset:
     if not (path / DONE).exists():
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
     done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
-    dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
-    dataset = dataset[[name for name in trials.QUANTITIES if name in dataset]]  # in our order; older ones have fewer
+    with readable(path, RESULTS):
+        dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
+        dataset = dataset[[name for name in sweeps.QUANTITIES if name in dataset]]  # in our order; older have fewer
+        if done.size != regions.count or any(one.shape != regions.shape for one in dataset.values()):
+            raise BadArgument(RESULTS, f"must have shape {regions.shape}")
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
@@ -157,8 +161,9 @@ def _claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
         text = json.dumps({**wanted, "shape": regions.shape, BLOCK: regions.block}, indent=1)
         write(path / DEFINITION, text + "\n")
         return regions
-    regions = Regions(shape=tuple(stored.pop("shape")), block=tuple(stored.pop(BLOCK)))
-    check_same(path, "sweep", stored, wanted)
+    regions = _regions(path, stored)
+    del stored[BLOCK]
+    check_same(path, "sweep", stored, {**wanted, "shape": list(sweep.points.shape)})
     return regions
 
 
@@ -174,17 +179,20 @@ def regions_of(folder: str | Path) -> Regions:
     found = _definition(Path(folder))
     if found is None:
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
-    return Regions(shape=tuple(found["shape"]), block=tuple(found[BLOCK]))
+    return _regions(Path(folder), found)
+
+
+def _regions(path: Path, definition: Mapping[str, Any]) -> Regions:
+    with readable(path, DEFINITION):
+        return Regions(shape=definition["shape"], block=definition[BLOCK])
 
 
 def _definition(path: Path) -> dict[str, Any] | None:
     file = local(path) / DEFINITION
     if not file.is_file():
         return None
-    try:
+    with readable(path, DEFINITION):
         found = json.loads(read_text(file))
-    except (ValueError, RecursionError) as error:  # of lists in lists in lists
-        raise BadArgument("folder", f"must hold a readable `{DEFINITION}`, got {path}: {error}") from error
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
         raise BadArgument("folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one")
     return cast("dict[str, Any]", found)
@@ -194,7 +202,7 @@ def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
     """The arrays that have a chunk per region: unit, title and what stands in it before."""
     found: dict[str, tuple[str, str, Any]] = {
         name: (unit, title, False if name == "succeeded" else np.nan)
-        for name, (unit, title) in trials.QUANTITIES.items()
+        for name, (unit, title) in sweeps.QUANTITIES.items()
     }
     if not isinstance(sweep.points, Grid):
         known = parameters(sweep.scenario)
@@ -205,7 +213,7 @@ def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
 def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
     """Make the empty arrays, and last the marks: without them the folder counts as not yet made."""
     shutil.rmtree(path / RESULTS, ignore_errors=True)
-    attributes: dict[str, Any] = {"title": "Sweep", **trials.attributes_of(sweep.scenario)}
+    attributes: dict[str, Any] = {"title": "Sweep", **sweeps.attributes_of(sweep.scenario)}
     if not isinstance(sweep.points, Grid):
         attributes["coordinates"] = " ".join(sweep.points.names)
     group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
@@ -238,12 +246,12 @@ def run_sweep(
     sweep: Sweep,
     folder: str | Path,
     *,
-    progress: trials.Progress | None = None,
+    progress: sweeps.Progress | None = None,
     client: Any = None,
     threads: int | None = None,
     region_size: int | None = None,
     resume: bool = True,
-) -> xarray.Dataset:
+) -> "xarray.Dataset":
     """Run a sweep, or the rest of it, and keep the results in a folder.
 
     Work and storage go region by region: a region is marked as done once all of it is stored. So the run may be killed
@@ -273,7 +281,7 @@ def run_sweep(
     if threads is not None:
         whole("threads", threads, 1)
     with opened(folder, sweep, region_size=region_size, resume=resume) as store:
-        tell = progress or trials.silent
+        tell = progress or sweeps.silent
         tell(store.n_done, sweep.n_trials)
         pending = store.pending()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
@@ -297,14 +305,15 @@ def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5)
     Raises:
         ValueError: If there is no such quantity, or no sweep in the folder.
     """
-    one_of("quantity", quantity, trials.FIGURES)
+    one_of("quantity", quantity, sweeps.FIGURES)
     whole("count", count, 1)
-    sign = 1.0 if quantity in trials.COSTS else -1.0
+    sign = 1.0 if quantity in sweeps.COSTS else -1.0
     dataset, regions = open_sweep(folder), regions_of(folder)
     values = dataset[quantity].variable
     ranked: list[tuple[float, tuple[int, ...]]] = []
     for block in map(regions.at, range(regions.count)):
-        region: np.ndarray = sign * values[block].to_numpy()
+        with readable(Path(folder), RESULTS):
+            region: np.ndarray = sign * values[block].to_numpy()
         order = np.argsort(region, axis=None, kind="stable")[:count]  # nan comes last
         for flat in map(int, order):
             within = np.unravel_index(flat, region.shape)
@@ -323,18 +332,19 @@ def count_failed(folder: str | Path) -> int:
     """
     dataset, regions = open_sweep(folder), regions_of(folder)
     succeeded = dataset["succeeded"].variable
-    n_good = sum(int(succeeded[block].to_numpy().sum()) for block in map(regions.at, range(regions.count)))
+    with readable(Path(folder), RESULTS):
+        n_good = sum(int(succeeded[block].to_numpy().sum()) for block in map(regions.at, range(regions.count)))
     return int(dataset.attrs["n_finished"]) - n_good
 
 
 def _results(
     sweep: Sweep, regions: Regions, pending: list[int], client: Any, threads: int | None
-) -> Generator[tuple[int, trials.Table, dict[str, trials.Column]]]:
+) -> Generator[tuple[int, sweeps.Table, dict[str, sweeps.Column]]]:
     """What the pending regions come to, in the order in which they are done."""
     tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
     if client is None:
         for index, table in tables:
-            yield index, table, trials.swim_points(sweep.scenario, sweep.points.names, table, threads)
+            yield index, table, sweeps.swim_points(sweep.scenario, sweep.points.names, table, threads)
     else:
         from laticauda.studies.cluster import swim_on
 
@@ -342,5 +352,5 @@ def _results(
 
 
 def _point(dataset: Any, place: tuple[int, ...]) -> dict[str, float]:
-    point = dataset.isel(dict(zip(dataset[trials.FIGURES[0]].dims, place, strict=True)))
-    return {str(name): float(point[name]) for name in (*point.coords, *trials.FIGURES) if name in point}
+    point = dataset.isel(dict(zip(dataset[sweeps.FIGURES[0]].dims, place, strict=True)))
+    return {str(name): float(point[name]) for name in (*point.coords, *sweeps.FIGURES) if name in point}

@@ -7,24 +7,18 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from laticauda.errors import BadArgument
+from laticauda.series import numbers
 
 # The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
-Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
 Setting: TypeAlias = str | float | bool | None
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 
 
 def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
     """`values` as a read-only float64 array of that shape; None stands for any length."""
-    try:
-        given = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        given = np.empty((), dtype=object)
-    if given.dtype.kind not in "iuf":
-        raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
-    array = np.asarray(given, dtype=np.float64, order="C")
+    array = numbers(name, values)
     if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
         raise BadArgument(name, f"must have shape ({wanted}), got {array.shape}")
@@ -46,16 +40,9 @@ def times(name: str, values: object) -> Samples:
     return time
 
 
-def forces(value: object, shape: tuple[int, ...]) -> dict[str, Forces] | None:
-    """The force of each component as a read-only array of that shape."""
-    if value is None:
-        return None
-    return {key: floats(f"link_force[{key!r}]", force, shape) for key, force in mapping("link_force", value).items()}
-
-
-def signals(value: object, n_samples: int) -> dict[str, Samples]:
-    """Each signal as a read-only array, one value per sample."""
-    return {key: floats(f"signals[{key!r}]", signal, (n_samples,)) for key, signal in mapping("signals", value).items()}
+def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np.ndarray, "..."]]:
+    """What a mapping has under each name as a read-only array of that shape."""
+    return {key: floats(f"{name}[{key!r}]", one, shape) for key, one in mapping(name, value).items()}
 
 
 def mapping(name: str, value: object) -> Mapping[str, object]:

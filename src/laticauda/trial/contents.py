@@ -129,8 +129,9 @@ class Contents(series.Log):
         for name, shape in shapes.items():
             if name != "time" and getattr(self, name) is not None:
                 clean[name] = arrays.floats(name, getattr(self, name), shape)
-        clean["link_force"] = arrays.forces(self.link_force, (*shapes["link_angle"], n_axes))
-        clean["signals"] = arrays.signals(self.signals, len(self.time))
+        if self.link_force is not None:
+            clean["link_force"] = arrays.each("link_force", self.link_force, (*shapes["link_angle"], n_axes))
+        clean["signals"] = arrays.each("signals", self.signals, (len(self.time),))
         state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
         return clean

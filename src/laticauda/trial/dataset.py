@@ -1,17 +1,24 @@
-"""A trial as an xarray Dataset and back: what every format of files is made of.
+"""A trial as an xarray Dataset and back, and the formats of files that it is written to.
 
 Every time series is a variable with its dimensions, unit and long name. Everything else is an attribute: a text (TOML
 or JSON, which write floats with all their digits) or a number, so that any tool shows it.
+
+A format is one class in one module, known by the ending of its files. A file appears whole or not at all, over any
+older file of that name: see `laticauda.files.write`.
 """
 
 import base64
 import json
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from laticauda import codec, scenarios
+from laticauda.extensions import Extensible
+from laticauda.files import read_toml, write
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series, log_of
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import Contents
@@ -37,33 +44,11 @@ WORK = {
 }
 """The columns of `Trial.work`."""
 
-SIGNALS = {
-    "heading_ref": ("rad", "heading that guidance asks for"),
-    "heading_used": ("rad", "heading that the controller goes by"),
-    "cross_track_error": ("m", "distance from the path, positive to the left"),
-    "along_track_distance": ("m", "length of the path up to the nearest point"),
-    "path_tangential_angle": ("rad", "direction of the path at the nearest point"),
-    "offset": ("rad", "offset of all joints that steering asks for"),
-    "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
-    **{f"orientation_{part}": ("1", f"quaternion of module 0 to the world axes, {part}") for part in "wxyz"},
-    "drift_x": ("m/s", "velocity with which the robot is believed to be carried, along x"),
-    "drift_y": ("m/s", "velocity with which the robot is believed to be carried, along y"),
-    "drift_x_std": ("m/s", "standard deviation of that velocity along x"),
-    "drift_y_std": ("m/s", "standard deviation of that velocity along y"),
-    "crab_angle": ("rad", "how far upstream of its course the robot is to point, positive to the right"),
-    "is_crab_limited": ("1", "whether the current is too strong for that: 0 or 1"),
-    "frequency": ("rad/s", "frequency of the gait that is asked for"),
-    "solver_iterations": ("1", "iterations that the plan took"),
-    "is_fallback": ("1", "whether there was no plan and line of sight took over: 0 or 1"),
-    "climb_ref": ("rad", "climb that guidance asks for"),
-    "climb_used": ("rad", "climb that the controller goes by"),
-    "height_error": ("m", "distance from the path in profile, positive above"),
-    "path_climb": ("rad", "climb of the path at the nearest point"),
-    "climb_offset": ("rad", "offset that climbing asks for, positive upward"),
-    "climb_is_saturated": ("1", "whether that offset is at its limit: 0 or 1"),
-    "pitch": ("rad", "mean pitch of the links, positive downward"),
-}
-"""Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
+
+@cache
+def signals() -> Mapping[str, tuple[str, str]]:
+    """Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
+    return read_toml(Path(__file__).parent / "signals.toml")
 
 
 def variable(name: str) -> Series:
@@ -80,7 +65,7 @@ def variable(name: str) -> Series:
         return Series("N", f"force of the {words} on each link, world axes", ("time", "link", "axis"))
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
-        return Series(*SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
+        return Series(*signals().get(signal, ("SI", f"signal {signal} of the controller")))
     return Series("J", WORK[name]) if name in WORK else SERIES[name]
 
 
@@ -214,3 +199,88 @@ def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
         name: np.frombuffer(base64.b64decode(one["bytes"]), one["dtype"]).reshape(one["shape"])
         for name, one in stored.items()
     }
+
+
+# ---- files ---------------------------------------------------------------------------------------------------------
+
+_OURS = {
+    "nc": "laticauda.logs.tabular",
+    "mcap": "laticauda.logs.mcap_trials",
+    "parquet": "laticauda.logs.tabular",
+    "mat": "laticauda.logs.tabular",
+    "csv": "laticauda.logs.tabular",
+}
+
+
+class Format(Extensible, group="formats", homes=_OURS):
+    """How the Dataset of a trial is written to files of one ending, and read from them.
+
+    class Zarr(Format):          # known by its entry point in the group `laticauda.formats`, or once it is imported
+        called = "zarr"          # the ending, without its point
+    """
+
+    title: ClassVar[str] = ""
+    """What it is, in words."""
+    is_whole: ClassVar[bool] = True
+    """Whether all of a trial is kept, so that it can be read again."""
+
+    @staticmethod
+    def write(dataset: "xarray.Dataset", path: Path) -> None:
+        """Write a trial to an empty file.
+
+        Args:
+            dataset: The trial, see `Trial.to_dataset`.
+            path: The file; its name need not have the ending.
+
+        Raises:
+            MissingExtra: If a package is not installed.
+            OSError: If the file cannot be written.
+        """
+        raise NotImplementedError
+
+    @staticmethod
+    def read(path: Path) -> "xarray.Dataset":
+        """The Dataset that was written, with all its numbers and attributes.
+
+        Args:
+            path: The file.
+
+        Raises:
+            MissingExtra: If a package is not installed.
+            TrialFileError: If it is no such file.
+            KeyError: If something is missing from it.
+            ValueError: If what it says is no trial, or it is damaged.
+            OSError: If it cannot be read.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def of(cls, path: Path) -> "type[Format]":
+        """The format of a file by the ending of its name; netCDF if that is none's.
+
+        Args:
+            path: The file; it need not exist.
+        """
+        ending = path.suffix.lower().removeprefix(".")
+        return cls.named(ending if ending in cls.names() else "nc")
+
+    @classmethod
+    def endings(cls) -> tuple[str, ...]:
+        """The endings of all formats, as ".nc"."""
+        return tuple(f".{name}" for name in cls.names())
+
+
+def save(dataset: "xarray.Dataset", path: Path, ending: str | None = None) -> None:
+    """Write a trial to a file.
+
+    Args:
+        dataset: The trial.
+        path: The file.
+        ending: Of its format; None: that of its name.
+
+    Raises:
+        StorageFailed: If the file cannot be written; the message has its name and the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    form = Format.of(path) if ending is None else Format.named(ending)
+    write(path, lambda beside: form.write(dataset, beside))

@@ -1,13 +1,30 @@
-"""What was measured and published, to stand beside a run of the same setting; whoever has such numbers adds a class.
+"""What was measured, to stand beside runs: published trials, and tables of speeds.
 
-An installed package offers its trials as an entry point of the group ``laticauda.measured_trials``.
+Published trials are found by the setting of a run. Whoever has such numbers adds a class: an installed package offers
+its trials as an entry point of the group ``laticauda.measured_trials``.
+
+A table of measured speeds, the commonest data of a swimming lab, is a CSV file with one row a trial. The first row has
+the columns' names, in any order:
+
+    gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W
+    LU,nofin,30,130,40,0.1514,106.63
+    LU,nofin,30,130,40,0.1498,105.10
+
+`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward velocity (5). A speed
+may be missing; the electrical power above idle, P_avg_W, may be missing as a column, too, and so may all else that
+`SpeedTrial` has a default for. A column says its unit, and numbers that can only be in another one are refused.
 """
 
+import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
 
-from laticauda import extensions, gaits
+from laticauda import extensions, files, gaits
+from laticauda.errors import BadArgument, TrialFileError, nearest
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot
 from laticauda.trial.trial import Trial
 
@@ -80,3 +97,104 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
         trial: A run.
     """
     return measured_setting(trial.robot, trial.gait, trial.environment)
+
+
+# ---- tables of speeds -----------------------------------------------------------------------------------------------
+
+KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
+"""The gaits as tables call them."""
+_RADIANS = 3.2  # angles [deg] none of which is greater can only be radians
+
+
+@value
+class SpeedTrial:
+    """A row of the file."""
+
+    gait: Literal["LU", "EEL"] = option("Kind of the gait")
+    config: Literal["nofin", "fin"] | None = option("With caudal fin or without; left out: as the robot", default=None)
+    alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
+    omega_deg_s: float = quantity("deg/s", "Frequency", gt=0.0)
+    delta_deg: float = quantity("deg", "Phase shift")
+    v_m_s: float | None = quantity("m/s", "Forward velocity; empty: not available", gt=0.0, default=None)
+    P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
+    robot: str | None = option("What swam, a preset or a TOML file", default=None)
+    duration_s: float = quantity("s", "Of the trial, from rest", gt=0.0, default=30.0)
+    v_sigma_m_s: float | None = quantity("m/s", "Standard deviation of the speed's noise", gt=0.0, default=None)
+    P_sigma_W: float | None = quantity("W", "The same of the power", gt=0.0, default=None)
+    selected_from: int = quantity("", "Of how many settings about as good it is the best", ge=1, default=1)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no gait."""
+        _ = self.motion
+
+    @property
+    def motion(self) -> gaits.Gait:
+        """What the joints were asked for."""
+        return gait_in_table(self.gait, self.alpha_deg, self.omega_deg_s, self.delta_deg)
+
+
+def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: float) -> gaits.Gait:
+    """The gait that a row of a table says.
+
+    Args:
+        kind: One of `KINDS`.
+        alpha_deg: Amplitude [deg].
+        omega_deg_s: Frequency [deg/s].
+        delta_deg: Phase shift [deg].
+    """
+    alpha, omega, delta = map(math.radians, (alpha_deg, omega_deg_s, delta_deg))
+    return gaits.Gait(envelope=gaits.envelope_of(KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta)
+
+
+_COLUMNS = tuple(SpeedTrial.__dataclass_fields__)
+_NEEDED = ("gait", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s")
+
+
+def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
+    """Load a table of speeds from a CSV file.
+
+    Args:
+        path: Of the file; its columns are those of this module's description.
+
+    Raises:
+        TrialFileError: If it cannot be read, or anything in it is wrong; the message has the row, counted as a
+            spreadsheet does, with the head as row 1.
+    """
+    names, rows = files.read_rows(path, TrialFileError)
+    _check_columns(path, names)
+    found: list[SpeedTrial] = []
+    for number, row in rows:
+        try:
+            cells = {name: _cell(name, text) for name, text in row.items() if text or name in _NEEDED[:-1]}
+            found.append(SpeedTrial(**cells))
+        except ValueError as error:
+            raise TrialFileError(f"{path}: row {number}: {error}") from None
+    if not found:
+        raise TrialFileError(f"{path}: it has no trials.")
+    for name in ("alpha_deg", "delta_deg"):
+        most = max(abs(getattr(one, name)) for one in found)
+        if 0.0 < most < _RADIANS:
+            raise TrialFileError(f"{path}: column `{name}` goes to {most:g}, which can hardly be deg; is it in rad?")
+    return tuple(found)
+
+
+def _check_columns(path: str | Path, given: list[str]) -> None:
+    rules = [f"`{name}` is missing." for name in _NEEDED if name not in given]
+    for name in given:
+        if name not in _COLUMNS:
+            hint = nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
+            rules.insert(0, f"`{name}` is not known{hint}")
+        if given.count(name) > 1:
+            rules.insert(0, f"`{name}` must not be given twice.")
+    if rules:
+        raise TrialFileError(f"{path}: row 1: column {rules[0]}")
+
+
+def _cell(name: str, text: str) -> Any:
+    """A text, or a number."""
+    if name in ("gait", "config", "robot"):
+        return text
+    try:
+        return int(text) if name == "selected_from" else float(text)
+    except ValueError:
+        raise BadArgument(name, f"must be a number, got {text!r}") from None

@@ -175,7 +175,7 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
         water: Its coefficients and drag terms.
         speed: v through the water [m/s].
     """
-    from laticauda.hydrodynamics.coefficients import link_coefficients
+    from laticauda.hydrodynamics import link_coefficients
 
     link = link_coefficients(robot, water)
     c_t = float(np.sum(link.c_t))

@@ -5,7 +5,7 @@ Each is fitted to measured speeds by least squares of the logarithm.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -42,68 +42,48 @@ def group_name(gait: str, has_fin: bool) -> str:
     return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
 
 
-Columns = Callable[[Sequence[Row], Sequence[str]], tuple[Design, Values]]
-"""Rows and the names of all groups to the columns that are fitted to log v, and what is added to them."""
+def _per_group(rows: Sequence[Row], groups: Sequence[str]) -> Design:
+    return np.array([[float(row.group == name) for name in groups] for row in rows])
 
 
-def _constant_per_group(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
-    columns = [[float(row.group == name) for name in groups] for row in rows]
-    return np.array(columns), np.zeros(len(rows))
+def _fin_and_eel(rows: Sequence[Row], groups: Sequence[str]) -> Design:
+    return np.array([(1.0, float(row.has_fin), float(row.gait.kind == "eel_like")) for row in rows])
 
 
-def _constant_fin_eel(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
-    columns = [(1.0, float(row.has_fin), float(row.gait.kind == "eel_like")) for row in rows]
-    return np.array(columns), np.zeros(len(rows))
+class _Form(NamedTuple):
+    """What is fitted: columns of numbers to speeds, or to their logarithm."""
+
+    columns: Callable[[Sequence[Row], Sequence[str]], Design]
+    """Of rows, from the names of all groups."""
+    is_stride: bool = False
+    """Whether the speeds are those per cycle: v proportional to the frequency."""
+    is_log: bool = True
+    """Whether logarithms are fitted."""
 
 
-def _stride(build: Columns) -> Columns:
-    """The same model of the distance per cycle: v proportional to the frequency."""
-
-    def divided(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
-        return build(rows, groups)[0], np.log([row.gait.frequency for row in rows])
-
-    return divided
-
-
-NULL_MODELS: dict[str, Columns] = {
-    "constant per group": _constant_per_group,
-    "constant + fin + eel": _constant_fin_eel,
-    "constant stride per group": _stride(_constant_per_group),
-    "constant stride + fin + eel": _stride(_constant_fin_eel),
+NULL_MODELS = {
+    "constant per group": _Form(_per_group),
+    "constant + fin + eel": _Form(_fin_and_eel),
+    "constant stride per group": _Form(_per_group, is_stride=True),
+    "constant stride + fin + eel": _Form(_fin_and_eel, is_stride=True),
 }
 """Speeds without physics: a number per group, or a number and two factors; and the same for the distance per cycle."""
 MEAN_STRIDE = "mean stride per group"
-PREDICTORS = (*NULL_MODELS, MEAN_STRIDE)
+PREDICTORS = {**NULL_MODELS, MEAN_STRIDE: _Form(_per_group, is_stride=True, is_log=False)}
 """The same, and the constant stride with the arithmetic mean of each group's strides instead of the geometric one."""
 
 
-def fit(columns: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
-    """The numbers of a null model by least squares.
-
-    Args:
-        columns: What one of `NULL_MODELS` gave.
-        target: log v less what is added to them.
-    """
-    return np.linalg.lstsq(columns, target)[0]
-
-
-def left_out(columns: Design, target: Values, by: Int[np.ndarray, " n_rows"]) -> Values:
-    """Each row's log v as a null model says that is fitted to the rows with another number in `by`.
-
-    Args:
-        columns: What one of `NULL_MODELS` gave.
-        target: log v less what is added to them.
-        by: A number per row: rows of equal number are left out together.
-
-    Returns:
-        Values like `target`, nan where the other rows do not suffice.
-    """
-    found = np.full(target.size, np.nan)
-    for number in np.unique(by):
-        out = by == number
-        if np.linalg.matrix_rank(columns[~out]) == columns.shape[1]:
-            found[out] = columns[out] @ fit(columns[~out], target[~out])
-    return found
+def _fitted(
+    form: _Form, rows: Sequence[Row], measured: Values, others: Sequence[Row]
+) -> tuple[Float[np.ndarray, " n_others"], int, bool]:
+    """Speeds of other rows by least squares, how many numbers are fitted, and whether the rows suffice for all."""
+    groups = sorted({row.group for row in (*rows, *others)})
+    known, asked = form.columns(rows, groups), form.columns(others, groups)
+    units = [np.array([row.gait.frequency if form.is_stride else 1.0 for row in some]) for some in (rows, others)]
+    speeds = measured / units[0]
+    numbers, _, rank, _ = np.linalg.lstsq(known, np.log(speeds) if form.is_log else speeds)
+    found = asked @ numbers
+    return (np.exp(found) if form.is_log else found) * units[1], int(rank), bool(rank == known.shape[1])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -131,19 +111,29 @@ def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
         rows: What they are fitted to.
         measured: Their speeds [m/s].
     """
-    groups = sorted({row.group for row in rows})
-    apart = np.arange(len(rows)), np.array([groups.index(row.group) for row in rows])
+    groups = np.unique([row.group for row in rows], return_inverse=True)[1]
     found: list[NullModel] = []
-    for name, columns_of in NULL_MODELS.items():
-        columns, known = columns_of(rows, groups)
-        target = np.log(measured) - known
-        speeds = np.exp(columns @ fit(columns, target) + known)
-        others = [np.exp(left_out(columns, target, by) + known) for by in apart]
+    for name, form in NULL_MODELS.items():
+        speeds, n_parameters, _ = _fitted(form, rows, measured, rows)
+        others = [_left_out(form, rows, measured, by) for by in (np.arange(len(rows)), groups)]
         errors = [np.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others]
-        n_parameters = int(np.linalg.matrix_rank(columns))
         how: Any = {"fitted": mape(measured, speeds), "left_out": errors[0], "group_left_out": errors[1]}
         found.append(NullModel(name=name, n_parameters=n_parameters, speeds=speeds, **how))
     return tuple(found)
+
+
+def _left_out(form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.ndarray, " n_rows"]) -> Values:
+    """Each speed as the rows with another number in `by` say it; nan where they do not suffice."""
+    found = np.full(measured.size, np.nan)
+    for number in np.unique(by):
+        out = by == number
+        if out.all():  # nothing is left to say it
+            break
+        kept, asked = ([row for row, mine in zip(rows, some, strict=True) if mine] for some in (~out, out))
+        speeds, _, suffices = _fitted(form, kept, measured[~out], asked)
+        if suffices:
+            found[out] = speeds
+    return found
 
 
 def predict(
@@ -163,18 +153,11 @@ def predict(
     Raises:
         ValueError: If the others hold a group that the rows do not hold.
     """
-    groups = sorted({row.group for row in rows})
-    unknown = sorted({row.group for row in others} - set(groups))
+    unknown = sorted({row.group for row in others} - {row.group for row in rows})
     if unknown:
         raise BadArgument("rows", f"must hold every group of `others`, got none of {', '.join(unknown)}")
-    if name == MEAN_STRIDE:
-        stride = measured / np.array([row.gait.frequency for row in rows])
-        means = {group: np.mean(stride[[row.group == group for row in rows]]) for group in groups}
-        return np.array([means[row.group] * row.gait.frequency for row in others]), len(groups)
-    columns, known = NULL_MODELS[name](rows, groups)
-    numbers = fit(columns, np.log(measured) - known)
-    columns, known = NULL_MODELS[name](others, groups)
-    return np.exp(columns @ numbers + known), numbers.size
+    speeds, n_fitted, _ = _fitted(PREDICTORS[name], rows, measured, others)
+    return speeds, n_fitted
 
 
 def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) -> float:

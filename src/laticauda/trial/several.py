@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from laticauda import angles, gaits
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.series import concatenated
 from laticauda.trial.trial import FIGURES, Figure, Trial
@@ -48,11 +48,8 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
     Raises:
         ValueError: If there are fewer than two trials.
     """
-    instance("trials", trials, Sequence)
     if len(trials) < 2:
         raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(trials)}")
-    for i, trial in enumerate(trials):
-        instance(f"trials[{i}]", trial, Trial)
     columns = [trial.figures()[0] for trial in trials]
     # A mechanical and an electrical power differ by a factor of ten: side by side they would mislead.
     mixed = len({trial.mean_power_kind for trial in trials}) > 1
@@ -124,8 +121,6 @@ def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Sc
 
 
 def _check_belong(first: Trial, second: Trial) -> None:
-    instance("first", first, Trial)
-    instance("second", second, Trial)
     if not first.succeeded:
         raise ValueError(f"`first` must have reached its end, got a failed run: {first.status}")
     for name in ("robot", "gait", "environment"):

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 import numpy as np
 
 from laticauda.errors import BadArgument
-from laticauda.trial import contents, cycles, formats, metrics
-from laticauda.trial.dataset import fields_of, to_dataset
+from laticauda.trial import contents, cycles, metrics
+from laticauda.trial.dataset import fields_of, save, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ class Trial(contents.Contents):
             StorageFailed: If the file cannot be written; the message has its name and the reason.
             MissingExtra: If the format needs a package that is not installed.
         """
-        formats.save(to_dataset(self), Path(path))
+        save(to_dataset(self), Path(path))
 
     def to_csv(self, path: str | Path) -> None:
         """Write the time series to a CSV file, one row per sample: `joint_angle_0 [rad]` is the tail-most joint's.
@@ -209,7 +209,7 @@ class Trial(contents.Contents):
         Raises:
             StorageFailed: If the file cannot be written; the message has its name and the reason.
         """
-        formats.save(to_dataset(self), Path(path), "csv")
+        save(to_dataset(self), Path(path), "csv")
 
     def to_dataset(self) -> "xarray.Dataset":
         """The trial as an xarray Dataset: dimensions, units and names as in its file."""

@@ -15,8 +15,7 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
 from laticauda.cosim.gym.swimming import Range
-from laticauda.fluid.gridded import Gridded
-from laticauda.fluid.grids import to_dataset
+from laticauda.fluid.gridded import Gridded, to_dataset
 from laticauda.quantities import value
 from laticauda.simulate.numbers import changed
 

@@ -3,8 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import laticauda as lc
 from laticauda.cosim.gym import Efficiency, PathFollowing, Pilots, StationKeeping, Step

@@ -3,8 +3,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.cosim.native import entry
@@ -84,7 +83,7 @@ def test_modules_with_coefficients_of_their_own_do_not_follow_the_waters():
 
 
 def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
-    from laticauda.cosim.fmu.description import facts_of
+    from laticauda.cosim.fmu.exporting import facts_of
 
     water = lc.load_water("paper-lateral")
     names = {v.name.removeprefix("water.") for v in tables(water).variables} | {"current", "name"}

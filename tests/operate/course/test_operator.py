@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.estimation import ReferenceSample
 from laticauda.gaits import Generator
+from laticauda.operate.course import preparing
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.safety.transitions import BY_EVENT
+from laticauda.operate.safety.supervisor import BY_EVENT
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, Placement
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
 
@@ -197,6 +197,18 @@ def turned_frame(rig: Rig, yaw: float):
         return replace(seen, rotation=seen.rotation @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
 
     return frame
+
+
+def test_where_the_robot_lies_is_not_what_a_late_computer_guesses_over_the_gap():
+    run = run_of(Operator(operation=operation()))
+    while run.state.phase != "settling" or len(run.state.prepared.places) < 5:
+        run.tick()
+    guess = replace(run.state, estimate=replace(run.state.estimate, heading=0.5))
+    period, now = 1.0 / run.operator.operation.rate, run.state.now
+    punctual, _ = preparing.step(run.operator.operation, guess, now + 1.5 * period)
+    late, _ = preparing.step(run.operator.operation, guess, now + 2.5 * period)
+    assert punctual.prepared.places[-1][3] == 0.5
+    assert late.prepared.places == run.state.prepared.places
 
 
 def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():

@@ -1,17 +1,29 @@
+"""The tables of an operation and the step that keeps to them; that operations do, the rig asserts at every tick."""
+
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
-from laticauda.operate.safety.supervisor import Supervisor, SupervisorState
-from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, STATES
+from laticauda.operate.safety.supervisor import (
+    ACTIONS,
+    BY_EVENT,
+    PHASES,
+    REQUESTS,
+    RULES,
+    STATES,
+    TRANSITIONS,
+    Supervisor,
+    SupervisorState,
+    phase_with,
+)
 from laticauda.operate.settings import Limits
 from laticauda.protocol import Heartbeat, NodeState
 
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "operate.md"
 STOPPING = [rule.event for rule in RULES if rule.action != "finish"]
 FAULTS = [rule.event for rule in RULES if rule.is_fault]
 TICK = 0.01
@@ -35,6 +47,49 @@ def brought_to(state: str) -> SupervisorState:
 
 def step(state: SupervisorState, now: float, *events: str, straight: bool = False, limp: bool = False):
     return supervisor.step(state, now, set(events), is_straight=straight, is_limp=limp)
+
+
+def test_the_rows_name_phases_and_states_and_no_two_contradict_each_other():
+    for row in TRANSITIONS:
+        assert {row.phase, row.next_phase} <= set(PHASES) and {row.state, row.next_state} <= set(STATES)
+        assert row.event not in BY_EVENT
+    assert len({row[:3] for row in TRANSITIONS}) == len(TRANSITIONS)
+    assert {row.event for row in TRANSITIONS} > set(REQUESTS)
+
+
+def test_from_everywhere_the_robot_comes_to_rest_and_every_phase_is_reached():
+    rows = [row for row in TRANSITIONS if row.event != "acknowledged"]
+    reached = {("connecting", "idle")}
+    for _ in rows:
+        reached |= {row[3:] for row in rows if row[:2] in reached}
+    assert {phase for phase, _ in reached} == set(PHASES)
+    ends = {("done", "idle"), ("done", "fault")}
+    for _ in rows:
+        ends |= {row[:2] for row in rows if row[3:] in ends}
+    assert ends == reached
+
+
+def test_a_stop_of_the_supervisor_stops_the_operation_in_every_phase():
+    for phase in PHASES[:-1]:
+        for state in STATES:
+            for stop in {"stopping", "fault"} - {state}:
+                assert phase_with(phase, state, stop) == "stopping"
+
+
+def state_diagram():
+    """The table in the language of mermaid."""
+    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
+    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
+        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
+    for row in TRANSITIONS:
+        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
+        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
+    return "\n".join([*lines, "    done_idle --> [*]", ""])
+
+
+def test_the_diagram_of_the_docs_is_that_of_the_table():
+    page = PAGE.read_text(encoding="utf-8")
+    assert f"```mermaid\n{state_diagram()}```" in page
 
 
 @given(st.sampled_from(STATES), st.sampled_from(STOPPING), noise, noise)
@@ -171,7 +226,7 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
 
 
 def test_the_table_of_the_docs_is_that_of_the_code():
-    page = (Path(__file__).parents[3] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
     words = {"finish": "finish the run", "straighten": "straighten, then limp"}
     for rule in RULES:
         action, within = words.get(rule.action, rule.action.replace("_", " ")), f"{supervisor.within(rule.action):g} s"

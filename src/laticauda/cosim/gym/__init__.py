@@ -11,7 +11,7 @@ or, in one go, ``gymnasium.make("laticauda.cosim.gym:laticauda/PathFollowing-v0"
 
 from typing import TYPE_CHECKING
 
-from laticauda.extras import optional_import
+from laticauda.errors import optional_import
 from laticauda.packaging import lazy_exports
 
 registration = optional_import("Learning", "gymnasium", "learn", "gymnasium.envs.registration")

@@ -13,15 +13,14 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from laticauda.codec import BadKey, decode
+from laticauda import codec, scenarios
 from laticauda.cosim.gym.episodes import BOUND, Episodes
 from laticauda.cosim.gym.swimming import Swimming, swimmer
 from laticauda.cosim.gym.tasks import Efficiency, PathFollowing, StationKeeping
 from laticauda.errors import BadArgument, one_of, whole
-from laticauda.scenarios import Changes
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
-OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(Changes))
+OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(scenarios.Changes))
 """What may be given of the scenario, by name."""
 _NOT_BEGUN = "`reset` must be called before the first `step`."
 
@@ -47,8 +46,8 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
             raise BadArgument("scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}")
         fields["scenario"] = swimmer(**{name: one for name, one in settings.items() if name in OF_SCENARIO})
     try:
-        return decode(kind, fields)
-    except BadKey as bad:
+        return codec.decode(kind, fields)
+    except codec.BadKey as bad:
         raise BadArgument(bad.key, bad.rule) from None
 
 

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda import interfaces, robot
 from laticauda.cosim.gym.swimming import FLOW, Step, Swimming
 from laticauda.dynamics.school import Motion
 from laticauda.errors import BadArgument, finite, one_of
-from laticauda.interfaces import Command, Controller
-from laticauda.robot import Current
 from laticauda.simulate.plants import school_of
 
 BOUND = 10.0
@@ -52,7 +51,7 @@ class Episodes:
 
     def __init__(self, task: Swimming, n: int, *, threads: int | None = None) -> None:
         self.task = task
-        self.school = school_of(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
+        self.school = school_of(task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads)
         """Who is at the task; its `plant` is what each of them is."""
         self.n = self.school.n
         """How many lanes there are."""
@@ -118,7 +117,7 @@ class Episodes:
         )
         self._n_steps[lanes] = 0
 
-    def _flow(self, lane: int) -> Current:
+    def _flow(self, lane: int) -> robot.Current:
         """That of the water in a lane."""
         numbers = {name: values[lane].item() for name, values in self._drawn.items() if name.startswith(FLOW)}
         return self.task.current(numbers)
@@ -172,7 +171,7 @@ class Pilots:
         ValueError: If its control interval is not that of the task.
     """
 
-    def __init__(self, controller: Controller[Any], episodes: Episodes) -> None:
+    def __init__(self, controller: interfaces.Controller[Any], episodes: Episodes) -> None:
         interval = episodes.task.interval
         if abs(controller.interval - interval) > 1e-9:
             raise BadArgument("controller.interval", f"must be the task's, {interval} s, got {controller.interval}")

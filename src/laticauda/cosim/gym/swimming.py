@@ -15,11 +15,10 @@ from typing import Any, Unpack, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.dynamics.plant import Plant
+import laticauda as lc
 from laticauda.dynamics.school import Motion
 from laticauda.errors import instance, within
 from laticauda.fluid.flow import Flow
-from laticauda.gaits import Gait
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, scenario
@@ -102,11 +101,11 @@ def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbe
 FLOW = "water.current."
 """What the names of a flow's numbers begin with, in sweeps and where episodes draw them."""
 SEEDS = (0.0, 2.0**31 - 1.0)
-GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0))
+GAIT = lc.Gait(amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0))
 
 
 def swimmer(
-    robot: Robot | str | Path = "mamba-fin", gait: Gait = GAIT, duration: float = 60.0, **changes: Unpack[Changes]
+    robot: Robot | str | Path = "mamba-fin", gait: lc.Gait = GAIT, duration: float = 60.0, **changes: Unpack[Changes]
 ) -> Scenario:
     """The scenario of a task, in a few words.
 
@@ -139,7 +138,7 @@ class Swimming(ABC):
 
     def __post_init__(self) -> None:
         """Check what goes together."""
-        instance("scenario.motion", self.scenario.motion, Gait)
+        instance("scenario.motion", self.scenario.motion, lc.Gait)
         within("interval", self.interval, 0.0, self.scenario.duration, "s")
         for end in ("low", "high"):
             self.current({draw.name: getattr(draw, end) for draw in self.flow_draws})
@@ -169,7 +168,7 @@ class Swimming(ABC):
         return cast(Water, changed(self.scenario, drawn).environment).current
 
     @property
-    def gait(self) -> Gait:
+    def gait(self) -> lc.Gait:
         """What it swims with, apart from the actions."""
         return self.scenario.gait
 
@@ -179,7 +178,7 @@ class Swimming(ABC):
         return round(self.scenario.duration / self.interval)
 
     @cached_property
-    def plant(self) -> Plant[Any]:
+    def plant(self) -> lc.Plant[Any]:
         """What swims."""
         return plant(self.scenario)
 

@@ -1,7 +1,7 @@
 classdef laticauda_client < handle
   % A robot in water that `laticauda serve` swims, driven from GNU Octave or MATLAB.
   %
-  %   client = laticauda_client ();                     % or (host, port)
+  %   client = laticauda_client ();                     % or (host, port, timeout, token)
   %   reply = client.reset (struct ('robot', 'mamba-fin'));
   %   reply = client.step (0.05, struct ('offset', 0.1));
   %   reply.observation.heading
@@ -14,20 +14,23 @@ classdef laticauda_client < handle
 
   properties (SetAccess = private)
     wire      % the tcpclient
+    token     % what the server has printed, if it is on another computer
     rest      % bytes that came in after the last end of line
   end
 
   methods
-    function self = laticauda_client (host, port, timeout)
-      % Connect; TIMEOUT, in seconds, is how long an answer may take.
+    function self = laticauda_client (host, port, timeout, token)
+      % Connect; TIMEOUT, in seconds, is how long an answer may take. TOKEN: left out, the variable LATICAUDA_TOKEN.
       if nargin < 1, host = '127.0.0.1'; end
       if nargin < 2, port = 5055; end
       if nargin < 3, timeout = 60; end
+      if nargin < 4, token = getenv ('LATICAUDA_TOKEN'); end
       if exist ('OCTAVE_VERSION', 'builtin')
         pkg ('load', 'instrument-control');
       end
       self.wire = tcpclient (host, port, 'Timeout', timeout);
       self.rest = uint8 ([]);
+      self.token = token;
     end
 
     function reply = reset (self, fields)
@@ -64,6 +67,7 @@ classdef laticauda_client < handle
     function reply = ask (self, request, fields)
       % Any request; the answer as a struct.
       fields.('do') = request;
+      if ~ isempty (self.token), fields.token = self.token; end
       write (self.wire, uint8 ([jsonencode(fields), char(10)]));
       reply = jsondecode (self.line ());
       if isfield (reply, 'error')

@@ -20,14 +20,12 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
-from laticauda import scalars
+from laticauda import formulas, scalars
 from laticauda.actuation.laws import JointLaw
-from laticauda.compiling import PROCESSOR, Target, compiling_for
+from laticauda.compiling import INLINED, PROCESSOR, Target, compiling_for, inlined
 from laticauda.compiling.formulas import in_numbers, reason_of
-from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Rows
 from laticauda.fluid.laws import MOTION, DragLaw, Element
-from laticauda.formulas import Formula
 from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
 
@@ -55,7 +53,7 @@ _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt
 _OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
-def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...] = ()) -> bytes:
+def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] = ()) -> bytes:
     """LLVM's module with the function `NAME`, for any processor; compiling it takes seconds, and nothing keeps it.
 
     Args:

@@ -25,13 +25,12 @@ import llvmlite
 import llvmlite.binding as llvm
 import numba
 
+from laticauda import files, formulas
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import sources_digest
 from laticauda.cosim.native.entry import NAME, bitcode
 from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingProgram, one_of
-from laticauda.files import write
 from laticauda.fluid.laws import DragLaw
-from laticauda.formulas import Formula
 from laticauda.planar.model import PlanarPlant, specialize
 
 FOLDER = Path(__file__).parent / "c"
@@ -137,7 +136,7 @@ def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
     return [one for one in libraries if one.name in names or one.system.name in names] or [platform_of()]
 
 
-def object_code(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], platform: Platform) -> bytes:
+def object_code(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], platform: Platform) -> bytes:
     """The object file with the function `laticauda_move` for a platform, from the disk if it was made before.
 
     Args:
@@ -168,7 +167,7 @@ def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[byte
     return [object_code(plant.law, plant.joints, plant.flow.kinds, one) for one in platforms]
 
 
-def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[Formula, ...], ending: str) -> Path:
+def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], ending: str) -> Path:
     """Where a file is kept: beside what Numba keeps, under a name that says what it was made from.
 
     Args:
@@ -191,7 +190,7 @@ def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
         made = make()
     try:  # another process may do the same at this moment
         file.parent.mkdir(parents=True, exist_ok=True)
-        write(file, made)
+        files.write(file, made)
     except OSError:  # pragma: no cover - nowhere to keep it
         pass
     return made

@@ -1,24 +1,33 @@
-"""A robot in water as two arrays of numbers for the compiled function, and the table of its variables."""
+"""A robot in water as two arrays of numbers for the compiled function, and the table of its variables.
+
+Both in C too: numbers for an FMU, or a plain library for robots' own computers, and for whatever can call C.
+"""
 
 import hashlib
-from collections.abc import Iterable, Sequence
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
-from typing import Any, cast
+from string import Template
+from typing import Any, Unpack, cast
 
 import numpy as np
 from jaxtyping import Float, Int
 
 import laticauda as lc
+from laticauda import files, scenarios
 from laticauda.cosim.native import entry
+from laticauda.cosim.native.platforms import FOLDER, linked, object_codes, platforms_of, universal
 from laticauda.cosim.native.variables import Variable, variables_of
 from laticauda.errors import BadArgument, instance, one_of
 from laticauda.planar import model, rows
 from laticauda.planar.layout import layout
-from laticauda.scenarios import Planar, Scenario, scenario
 
 Triples = Sequence[tuple[int, int, float]]
 INPUTS = ("gait", "references")
+STATUS = ("DIVERGED", "WRONG_INTERVAL")
 LETTERS = {"independent": "t", "parameter": "p", "input": "i", "output": "o"}
 
 
@@ -51,13 +60,13 @@ class Tables:
 
 
 def tables_for(
-    robot: Scenario | lc.Robot | str | Path, gait: lc.Gait | None = None, inputs: str = "gait", **changes: Any
+    robot: lc.Scenario | lc.Robot | str | Path, gait: lc.Gait | None = None, inputs: str = "gait", **changes: Any
 ) -> Tables:
     """The arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
     one_of("inputs", inputs, INPUTS)
-    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(lc.Gait, gait), **changes)
+    chosen = robot if isinstance(robot, lc.Scenario) else lc.scenario(robot, cast(lc.Gait, gait), **changes)
     instance("environment", chosen.environment, lc.Water)
-    instance("model", chosen.model, Planar)
+    instance("model", chosen.model, lc.Planar)
     instance("motion", chosen.motion, lc.Gait)
     instance("start", chosen.start, lc.Start)
     plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
@@ -144,7 +153,7 @@ def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tu
     """How the rows depend on density and coefficients, by laying the robot out in other waters.
 
     Every row is a sum of a number without water, of one times the density, and of one times the density times each
-    coefficient (`laticauda.hydrodynamics.coefficients`): no product of two coefficients enters. So differences between
+    coefficient (`laticauda.hydrodynamics`): no product of two coefficients enters. So differences between
     layouts are exact slopes, to rounding, and not a linearization.
 
     Returns:
@@ -180,9 +189,12 @@ def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, fie
     return change
 
 
+# ---- in C ------------------------------------------------------------------------------------------------------------
+
+
 def identifier(stem: str) -> str:
     """A name that C allows, from that of a file."""
-    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in stem)
+    plain = re.sub(r"\W", "_", stem, flags=re.ASCII)
     return plain if plain[:1].isalpha() else f"robot_{plain}"
 
 
@@ -226,3 +238,86 @@ def _real(number: float) -> str:
     if number in (float("inf"), float("-inf")):
         return "INFINITY" if number > 0.0 else "-INFINITY"
     return number.hex()
+
+
+# ---- as a library in C -----------------------------------------------------------------------------------------------
+
+
+def export_c(
+    path: str | os.PathLike[str],
+    robot: scenarios.Scenario | lc.Robot | str | Path,
+    gait: lc.Gait | None = None,
+    *,
+    inputs: str = "gait",
+    platform: str | None = None,
+    static: bool = False,
+    **changes: Unpack[scenarios.Changes],
+) -> tuple[Variable, ...]:
+    """Write a planar robot in water to a library in C, which needs no Python, and a header that says what is in it.
+
+    Args:
+        path: The header (.h), whose name becomes that of the structure and of the functions; the library is written
+            beside it. Older ones are replaced.
+        robot: As for `export_fmu`.
+        gait: As for `export_fmu`.
+        inputs: As for `export_fmu`.
+        platform: Where it is to run: linux64, aarch64 (Linux), win64, darwin; on machines like this one if left out.
+        static: Whether to write a static library instead of a shared one.
+        changes: As for `export_fmu`.
+
+    Returns:
+        The variables, in the order of the structure.
+
+    Raises:
+        ValueError: If an argument is out of its range, or robot, gait and inputs do not fit together.
+        MissingProgram, MissingExtra: If there is no C compiler for that platform.
+        LinkingFailed: If it fails.
+    """
+    file, wanted = Path(path), platforms_of([platform] if platform else [])
+    if file.suffix.lower() != ".h":
+        raise BadArgument("path", f"must be a file that ends in .h, got {path}")
+    tables = tables_for(robot, gait, inputs, **changes)
+    name, sources = identifier(file.stem), [FOLDER / "library.c"]
+    header = header_of(tables, name)
+    own = [f"#define {word} {name.upper()}_{word}" for word in STATUS]
+    own += [f"#define ROBOT {name}", f"#define FUNCTION(what) {name}_##what"]
+    headers = {"tables.h": tables_in_c(tables, name), "header.h": "\n".join((header, *own, ""))}
+    codes = zip(object_codes(tables.plant, wanted), wanted, strict=True)
+    made = universal([(code, linked(code, one, sources, headers, static=static)) for code, one in codes])
+    files.write(file.with_name(f"lib{file.stem}{'.a' if static else wanted[0].system.ending}"), made)
+    files.write(file, header.encode())
+    return tables.variables
+
+
+def header_of(tables: Tables, name: str) -> str:
+    """The header of a robot's library.
+
+    Args:
+        tables: The robot, and its variables.
+        name: Of the structure, and what its functions' names begin with.
+    """
+    return Template((FOLDER / "library.h").read_text(encoding="utf-8")).substitute(
+        words=tables.words,
+        version=lc.__version__,
+        name=name,
+        guard=name.upper(),
+        fields="\n".join(_fields(tables.variables)),
+        rows=tables.n_rows + entry.SCRATCH,
+    )
+
+
+def _fields(variables: tuple[Variable, ...]) -> Iterator[str]:
+    """Members of the structure; variables that are counted from 0 are one array."""
+    for stem, group in groupby(variables, key=lambda one: one.name.partition("[")[0]):
+        some, plain = list(group), stem.replace(".", "_")
+        if some[0].name.endswith("[0]"):
+            yield _field(f"{plain}[{len(some)}]", some[0], re.sub(r"\b0\b", "i", some[0].description))
+        else:
+            yield from (_field(re.sub(r"\W+", "_", one.name).strip("_"), one, one.description) for one in some)
+
+
+def _field(name: str, variable: Variable, text: str) -> str:
+    facts = [variable.causality, "-" if variable.unit == "1" else variable.unit]
+    if variable.causality in ("parameter", "input"):
+        facts.append(f"{variable.least:g} to {variable.most:g}")
+    return f"    double {name}; /* {', '.join(facts)}. {text} */"

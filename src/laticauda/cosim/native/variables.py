@@ -42,7 +42,7 @@ class Variable:
     causality: str
     """independent (time), parameter (set before the start), input (set at any time) or output [-]."""
     unit: str
-    """As in `description.UNITS`; 1: a pure number [-]."""
+    """As in `laticauda.cosim.fmu.exporting.UNITS`; 1: a pure number [-]."""
     description: str
     """What it is [-]."""
     symbol: str = ""

@@ -17,21 +17,15 @@ from typing import Any, cast, get_args
 import numpy as np
 
 import laticauda as lc
-from laticauda import control, files, gaits
-from laticauda.codec import encode
+from laticauda import codec, control, extensions, files, gaits, kinematics, robot, scenarios
 from laticauda.control.guidance import ROUNDING
 from laticauda.cosim.native import entry, platforms
 from laticauda.cosim.native.tables import Variable, tables_of
 from laticauda.cosim.web import steering
-from laticauda.extensions import name_of
 from laticauda.gaits.gait import FIRST_GAIT
-from laticauda.kinematics import levers
-from laticauda.packaging import __version__
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import DEGREES, hints_of, quantities_of, texts_of
-from laticauda.robot import CaudalFin
-from laticauda.scenarios import default_water
 
 ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page has if nobody says which."""
@@ -57,6 +51,8 @@ LOGGED = ("time", "center", "heading", "link", "joint", "fin_", *WORKS, "electri
 """What the names of variables begin with that a trial has, too."""
 ELASTIC: Any = {"n_hinges": 3, "flexural_rigidity": 0.2}
 """A fin that bends [-], [N m^2]."""
+SIZES = {"small": 0.8, "large": 1.25}
+"""What the lengths of a rigid fin are multiplied by; its thickness stays."""
 
 
 def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()) -> tuple[Path, ...]:
@@ -82,7 +78,7 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
     made["steering"] = platforms.linked(steer, browser, name=steering.NAME)
     kernels = {name: base64.b64encode(one).decode() for name, one in made.items()}
     data = {
-        "version": __version__,
+        "version": lc.__version__,
         "interval": lc.Following().interval,  # of samples, too
         "choices": {name: get_args(hints_of(lc.Following)[name]) for name in ("guidance", "heading_estimate")},
         "steering": {"numbers": steering.NUMBERS, "results": steering.RESULTS, "rounding": ROUNDING},
@@ -106,7 +102,7 @@ def _sliders() -> list[dict[str, Any]]:
     water, following = lc.load_water("paper-lateral"), control.Following()
     return [
         *(_slider("gait", FIRST_GAIT, field, limits, f"gait.{field}") for field, limits in LIMITS.items()),
-        _slider("fin", CaudalFin(**ELASTIC), "flexural_rigidity", RIGIDITY, "fin.flexural_rigidity"),
+        _slider("fin", robot.CaudalFin(**ELASTIC), "flexural_rigidity", RIGIDITY, "fin.flexural_rigidity"),
         *(_slider("water", water, field, limits, f"water.{field}") for field, limits in WATER.items()),
         *(_slider("current", water, "current", CURRENT, f"current.{axis}", f" {axis}") for axis in "xy"),
         *(_slider("path", following, field, limits, "") for field, limits in STEERING.items()),
@@ -136,6 +132,9 @@ def _entry(given: str | lc.Robot) -> dict[str, Any]:
     fins, fin = {"rigid" if own.caudal_fin else "none": own}, own.caudal_fin
     if fin is not None and not fin.n_hinges and fin.joint is None:
         fins["elastic"] = replace(own, caudal_fin=replace(fin, **ELASTIC))
+        for name, times in SIZES.items():
+            sizes = {side: times * getattr(fin, side) for side in ("length", "height", "opening_length")}
+            fins[name] = replace(own, caudal_fin=replace(fin, **sizes))
     return {
         "name": given if isinstance(given, str) else own.name,
         "title": own.description or own.name,
@@ -148,12 +147,12 @@ def _body(body: lc.Robot) -> dict[str, Any]:
     tables = tables_of(plant, FIRST_GAIT, lc.Start(), inputs="gait")
     number = {variable.name: i for i, variable in enumerate(tables.variables)}
     water = [number[f"water.{name}"] for name in WATER]
-    ends, fin = levers(plant.robot), plant.robot.caudal_fin
+    ends, fin = kinematics.levers(plant.robot), plant.robot.caudal_fin
     bodies = [rows.HEADER_ROWS + i * rows.BODY_ROWS for i in range(1, plant.layout.n_bodies)]
     return {
         "plant": plant,
-        "plate": {} if fin is None else encode(fin),
-        "law": name_of(type(plant.law)),
+        "plate": {} if fin is None else codec.encode(fin),
+        "law": extensions.name_of(type(plant.law)),
         "whole": tables.whole.tolist(),
         "real": tables.real.tolist(),
         "n_rows": tables.n_rows + entry.SCRATCH,
@@ -188,7 +187,7 @@ def _in_waters(given: lc.Scenario) -> Iterator[lc.Scenario]:
 def _kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
     """What goes along with a kind of gait: its envelope, and the default water's coefficients."""
     gait = replace(FIRST_GAIT, envelope=gaits.envelope_of(kind))
-    water = default_water(plant.robot, gait)
+    water = scenarios.default_water(plant.robot, gait)
     coefficients = {f"water.{name}": getattr(water, name) for name in WATER}
     return {"envelope": gait.joint_envelope(plant.robot.n_links), "water": coefficients}
 
@@ -202,7 +201,7 @@ def _column(one: Variable) -> str:
 def _angles(plant: PlanarPlant, number: dict[str, int]) -> list[list[tuple[int, float]]]:
     """Of every piece of the fin, the last one first, and every link: variables and factors whose sum is its angle."""
     tail, joints = [(number["link_angle[0]"], 1.0)], plant.robot.fin_joints
-    n_pieces = levers(plant.robot).end.shape[1] - plant.robot.n_links
+    n_pieces = kinematics.levers(plant.robot).end.shape[1] - plant.robot.n_links
     bends = [[(number[f"fin_angle[{k}]"], -1.0) for k in joints if k <= piece] for piece in range(n_pieces)]
     links = ([(number[f"link_angle[{i}]"], 1.0)] for i in range(plant.robot.n_links))
     return [*(tail + bent for bent in reversed(bends)), *links]

@@ -17,9 +17,8 @@ from numba import cfunc, types
 from numba.extending import overload
 
 from laticauda.angles import wrap_to_pi, wrapped
-from laticauda.compiling import compiling_for
+from laticauda.compiling import INLINED, compiling_for
 from laticauda.compiling.formulas import in_numbers, rows_from
-from laticauda.compiling.inner import INLINED
 from laticauda.control.guidance import HeadingController, IntegralLineOfSight, grown, mean_over
 from laticauda.control.paths import Polyline, seen_from
 from laticauda.cosim.native import entry

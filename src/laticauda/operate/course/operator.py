@@ -1,7 +1,7 @@
 """One operation as a pure tick: what came in, and the time, give what goes out. No clock, no bus, no threads.
 
-`transitions` is the table of its phases and the supervisor's states; `preparing` has what is done in the phases before
-the run.
+`safety.supervisor` has the table of its phases and the supervisor's states; `preparing` has what is done in the phases
+before the run.
 """
 
 from collections.abc import Mapping
@@ -18,8 +18,7 @@ from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared, take_in
 from laticauda.operate.recording.entries import Decision, Entry, Event
 from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
-from laticauda.operate.safety.supervisor import Reaction, Supervisor
-from laticauda.operate.safety.transitions import BY_EVENT, cause_of, phase_after, phase_with
+from laticauda.operate.safety.supervisor import BY_EVENT, Reaction, Supervisor, cause_of, phase_after, phase_with
 from laticauda.operate.settings import Operation
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
 from laticauda.robot import Robot
@@ -248,12 +247,13 @@ class Operator:
 def _milestones(before: OperatorState, state: OperatorState, now: float) -> list[Event]:
     """The phases, and the begin and end of the run, which a replay looks for."""
     found: list[Event] = []
+    clock = {} if state.clock is None else {"clock": state.clock.offset}
     if state.begun is not None and before.begun is None:
-        found.append(Event(time=now, kind="start", message="the run begins"))
+        found.append(Event(time=now, kind="start", message="the run begins", data=clock))
     if state.ended is not None and before.ended is None:
         cause = state.supervisor.cause
         message = f"The run was ended: {cause_of(cause)}." if cause in BY_EVENT else "The run reached its end."
-        data = {"succeeded": not state.supervisor.is_fault}
+        data = {"succeeded": not state.supervisor.is_fault, **clock}
         found.append(Event(time=now, kind="stop", message=message, data=data))
     if state.phase != before.phase:
         found.append(Event(time=now, kind="phase", message=f"{before.phase} -> {state.phase}"))

@@ -1,7 +1,6 @@
 """What comes before the run, phase by phase: connect, check, calibrate, idle current, stillness, count down."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from statistics import fmean
 
@@ -13,13 +12,14 @@ from laticauda.errors import LaticaudaError
 from laticauda.operate.course.state import OperatorState, Places
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import complaints
-from laticauda.operate.safety.transitions import phase_after
+from laticauda.operate.safety.supervisor import phase_after
 from laticauda.operate.settings import Operation
 
 GRANT_TIME = 5.0  # in which the supervisor has to let the robot move [s]
 CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
 COLLECT_TIME = 1.0  # of samples for a calibration [s]
 LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
+LATE = 2.0  # periods after which an estimate is a guess: noise of the joints' rates, times the gap, is up to 7 deg [-]
 Answer = tuple[OperatorState, tuple[Event, ...]]
 
 
@@ -111,7 +111,10 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
         return state, ()
     offset = 0.0 if state.clock is None else state.clock.offset
     words = [f"clock of the cameras {1e3 * offset:+.1f} ms"]
-    if how.joint_zeros and any(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat):
+    unset = sum(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat)
+    if unset and not how.joint_zeros:
+        words.append(f"{unset} modules have no zero since their power came on")
+    elif unset:
         zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
         words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
         prepared = replace(prepared, sets_zero=True)
@@ -122,7 +125,8 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
         yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
         words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
-    return _done(replace(state, prepared=prepared), now, "calibrated", "; ".join(words))
+    found = {"without_zero": 0 if how.joint_zeros else unset}
+    return _done(replace(state, prepared=prepared), now, "calibrated", "; ".join(words), **found)
 
 
 def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
@@ -149,6 +153,8 @@ def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
         return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
     if estimate is None or state.supervisor.state != "ready" or np.any(state.reference.references):
         return replace(state, prepared=replace(state.prepared, places=())), ()
+    if state.now is not None and now - state.now > LATE / operation.rate:
+        return state, ()
     start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
     still = {"speed": how.still_speed, "rate": how.still_rate, "duration": how.still_time}
     places, is_still = stayed(state.prepared.places, now, start, **still)
@@ -190,13 +196,8 @@ def _why(state: OperatorState) -> str:
     return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
 
 
-_STEPS: dict[str, Callable[[Operation, OperatorState, float], Answer]] = {
-    "connecting": _connecting,
-    "checking": _checking,
-    "calibrating": _calibrating,
-    "idle_current": _idle_current,
-    "settling": _settling,
-}
+_PHASES = _connecting, _checking, _calibrating, _idle_current, _settling
+_STEPS = {phase.__name__.removeprefix("_"): phase for phase in _PHASES}
 
 
 # ---- what is measured before a run -----------------------------------------------------------------------------------

@@ -6,14 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda import protocol
+from laticauda import kinematics, protocol
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
-from laticauda.kinematics import turn
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Entry, Event, Measurement, PowerReading
 from laticauda.operate.safety.limits import LimitState, Modules, updated
-from laticauda.operate.safety.supervisor import SupervisorState
-from laticauda.operate.safety.transitions import PHASES
+from laticauda.operate.safety.supervisor import PHASES, SupervisorState
 from laticauda.operate.settings import CaptureVolume, Operation
 
 CLOCK_WINDOW = 5.0  # in which the smallest latency of the cameras is looked for [s]
@@ -222,7 +220,7 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
     """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
     rotation = frame.rotation
     if rotation is not None:
-        rotation = turn("yaw", -tank.path_heading) @ rotation @ turn("yaw", -turned)
+        rotation = kinematics.turn("yaw", -tank.path_heading) @ rotation @ kinematics.turn("yaw", -turned)
     position = tank.to_path(frame.position)
     return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
 

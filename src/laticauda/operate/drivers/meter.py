@@ -61,16 +61,9 @@ class MeterDriver(Worker[PowerReading]):
         except Exception:
             self.release()  # and open it again at the next try
             raise
-        self._found.append(
-            PowerReading(
-                time=self._clock.now(),
-                current=shown.live,
-                average=shown.average,
-                minimum=shown.minimum,
-                maximum=shown.maximum,
-                since=self._since,
-            )
-        )
+        record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
+        now = self._clock.now()
+        self._found.append(PowerReading(time=now, current=shown.live, since=self._since, **record))
         self._ended.wait(INTERVAL / self._clock.speed)
 
     def _query(self, word: str, *, has_data: bool = True) -> str:

@@ -5,12 +5,12 @@ Only classes that come with the package, or that this process knows, are ever bu
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, is_dataclass, replace
 from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
@@ -18,7 +18,6 @@ from laticauda.errors import BadArgument, instance
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.interfaces import Command
 from laticauda.logs import ros2
 from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
@@ -56,7 +55,7 @@ class Decision:
 
     time: float
     """Of the estimate that it decided on [s]."""
-    command: Command
+    command: interfaces.Command
     """What it decided."""
     signals: Mapping[str, float]
     """Its signals, by name."""
@@ -66,8 +65,8 @@ Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReadi
 """What came in from the devices, and the references that were sent."""
 
 
-Times: TypeAlias = NDArray[np.float64]  # one per tick
-SPREAD = ("median", "p99", "largest")
+Times: TypeAlias = Float[np.ndarray, " n_ticks"]
+SPREAD = {"median": 50.0, "p99": 99.0, "p99_9": 99.9, "largest": 100.0}
 
 
 @dataclass(frozen=True)
@@ -95,20 +94,25 @@ Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick
 class Timing:
     """How punctual the ticks of one operation were."""
 
-    ticks: Sequence[Tick]
-    """In their order."""
+    times: Float[np.ndarray, "n_ticks 3"]
+    """Of each tick when it was due, when it began, and when its last frame had been handed to the bus [s]."""
     interval: float
     """Between two of them, as asked for [s]."""
 
     @property
     def period(self) -> Times:
         """From the begin of a tick to that of the next [s]."""
-        return np.diff([tick.began for tick in self.ticks])
+        return np.diff(self.times[:, 1])
+
+    @property
+    def lateness(self) -> Times:
+        """From when a tick was due until it began [s]."""
+        return self.times[:, 1] - self.times[:, 0]
 
     @property
     def latency(self) -> Times:
         """From when a tick was due until its last frame was sent [s]."""
-        return np.array([tick.sent - tick.due for tick in self.ticks])
+        return self.times[:, 2] - self.times[:, 0]
 
     @property
     def missed(self) -> int:
@@ -116,14 +120,28 @@ class Timing:
         return int(np.count_nonzero(self.latency > self.interval))
 
     def summary(self) -> dict[str, float | int]:
-        """Median, 99th percentile and largest of period and latency, the ticks and the missed deadlines."""
-        found: dict[str, float | int] = {"ticks": len(self.ticks), "interval": self.interval, "missed": self.missed}
-        for name in ("period", "latency"):
+        """Median, percentiles and largest of period, lateness and latency, the ticks and the missed deadlines."""
+        found: dict[str, float | int] = {"ticks": len(self.times), "interval": self.interval, "missed": self.missed}
+        for name in ("period", "lateness", "latency"):
             values: Times = getattr(self, name)
             if values.size:
-                numbers = np.percentile(values, (50.0, 99.0, 100.0)).tolist()
-                found |= {f"{name}_{of}": number for of, number in zip(SPREAD, numbers, strict=True)}
+                found |= {f"{name}_{of}": float(np.percentile(values, share)) for of, share in SPREAD.items()}
         return found
+
+
+def punctuality(timing: Mapping[str, float | int]) -> str:
+    """The summary of a `Timing` as a sentence.
+
+    Args:
+        timing: `Timing.summary`, or the `timing` of a result in JSON.
+    """
+    ms = {name: f"{1e3 * value:.2f}" for name, value in timing.items()}
+    text = f"{timing['ticks']} ticks of {ms['interval']} ms, {timing['missed']} missed"
+    if "lateness_median" not in ms:
+        return text
+    late, sent = ([ms[f"{name}_{of}"] for of in ("median", "p99_9", "largest")] for name in ("lateness", "latency"))
+    spread = "{} ms (median), {} (99.9 %), {} at most"
+    return f"{text}; late by {spread.format(*late)}; all sent after {spread.format(*sent)}"
 
 
 TOPICS: Mapping[str, type[Any]] = {
@@ -137,7 +155,7 @@ TOPICS: Mapping[str, type[Any]] = {
 }
 """Where entries are recorded that are messages of their own type, with the fields of their class."""
 TOPIC_OF = {kind: topic for topic, kind in TOPICS.items()}
-_JSON = {Command: "string", Mapping[str, float]: "string"}
+_JSON = {interfaces.Command: "string", Mapping[str, float]: "string"}
 _PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
 """ROS types of fields by those of Python; all others are arrays."""
 

@@ -2,17 +2,18 @@
 
 It is MCAP, which survives that the program is killed. What the estimator and the controller got is kept bit for bit, in
 the order in which they got it; beside it stands the same in the types that Foxglove draws by itself.
-docs/how-to/recordings.md lists the topics. In real time, a thread writes what the loop hands over, so that no disk
-makes it late.
+docs/how-to/recordings.md lists the topics.
 """
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
@@ -111,25 +112,16 @@ class Sink:
     Args:
         recorder: Open; it stays open.
         frames: Whether the raw frames of the bus are kept, which are most of a recording.
-        thread: What writes; None: at once, for operations without a clock.
     """
 
     trouble = ""
     """Why nothing is recorded any more; "" as long as it is."""
 
-    def __init__(
-        self, recorder: OperationRecorder, *, frames: bool = True, thread: ThreadPoolExecutor | None = None
-    ) -> None:
-        self._recorder, self._frames, self._thread = recorder, frames, thread
+    def __init__(self, recorder: OperationRecorder, *, frames: bool = True) -> None:
+        self._recorder, self._frames = recorder, frames
 
     def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
         """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
-        if self._thread is None:
-            self._write(now, found)
-        elif not self.trouble:
-            self._thread.submit(self._write, now, found)
-
-    def _write(self, now: float, found: Sequence[Entry | Frame]) -> None:
         if self.trouble:
             return
         try:
@@ -167,7 +159,8 @@ class OperationLog:
         """How punctual the loop was; None if it had no clock."""
         ticks = self.of(Tick)
         rate = self.header.run.notes.get("rate")
-        return Timing(ticks=ticks, interval=1.0 / float(rate)) if ticks and rate is not None else None
+        times = np.array([(tick.due, tick.began, tick.sent) for tick in ticks])
+        return Timing(times=times, interval=1.0 / float(rate)) if ticks and rate is not None else None
 
     @property
     def span(self) -> tuple[float, float]:
@@ -193,7 +186,23 @@ def read_operation(path: str | Path) -> OperationLog:
         MissingExtra: If the package `mcap` is not installed.
     """
     recording = logs.open_recording(path)
-    texts = recording.metadata.get(entries.HEADER)
+    header = header_in(recording)
+    version = recording.metadata[entries.HEADER]["version"]
+    with _readable(path):
+        found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
+    notes = {name: content for name, content in recording.metadata.items() if name != entries.HEADER}
+    return OperationLog(
+        path=Path(path), header=header, version=version, notes=notes, entries=found, lost=recording.lost
+    )
+
+
+def header_in(recording: logs.Recording) -> Header:
+    """What a `recording` says about the whole operation.
+
+    Raises:
+        TrialFileError: If it is no recording of an operation, or of another format.
+    """
+    path, texts = recording.path, recording.metadata.get(entries.HEADER)
     if texts is None:
         raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
     if texts.get("format") != entries.FORMAT:
@@ -201,26 +210,24 @@ def read_operation(path: str | Path) -> OperationLog:
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
             f"{entries.FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
         )
+    with _readable(path):
+        return entries.header_from_texts(texts)
+
+
+@contextmanager
+def _readable(path: str | Path) -> Generator[None]:
+    """What is wrong with the content of the recording is said in one sentence."""
     try:
         with codec.keys_of(f"Cannot load {path}", TrialFileError):
-            header = entries.header_from_texts(texts)
-            found = tuple(_entry(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
+            yield
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
     except (ValueError, TypeError, IndexError) as error:
         raise TrialFileError(f"Cannot load {path}: {error}") from error
-    notes = {name: content for name, content in recording.metadata.items() if name != entries.HEADER}
-    return OperationLog(
-        path=Path(path),
-        header=header,
-        version=texts["version"],
-        notes=notes,
-        entries=found,
-        lost=recording.lost,
-    )
 
 
-def _entry(logged: logs.Logged) -> Entry:
+def entry_of(logged: logs.Logged) -> Entry:
+    """The entry that a message of a recording is; raises as `entries.entry_of`."""
     content = logged.content
     if logged.topic == "/events":
         msg: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}

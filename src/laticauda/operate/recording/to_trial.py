@@ -15,8 +15,7 @@ from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.robot import Robot
 from laticauda.series import SERIES
-from laticauda.trial import Trial
-from laticauda.trial.metrics import joint_work
+from laticauda.trial import Trial, metrics
 
 OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time")
 """What a trial has of every estimate as it is."""
@@ -69,18 +68,19 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     own = _all_joints if observed["center_of_mass"].shape[1] == 3 else Robot.yaw_joints
     torque = _torque(log, time, own)
     joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time, own)}
-    work = None if torque is None else joint_work(time, torque, observed["joint_rate"])
+    work = None if torque is None else metrics.joint_work(time, torque, observed["joint_rate"])
     fin = _of_fin(log, time)
     if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
-        work = work + joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
-    end = _ending(log)
+        work = work + metrics.joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
+    end, wrong = _ending(log), [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
+    counts = end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True
     return Trial.measured(
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
         signals={**_signals(log, time, run), **fin},
         scenario=replace(log.header.run, notes={"source": "recording", **power_source, **log.header.run.notes}),
         version=log.version,
-        status=end.message if end is not None else "The recording reached its end.",
-        succeeded=end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True and not log.lost,
+        status=wrong[0].message if wrong else end.message if end is not None else "The recording reached its end.",
+        succeeded=counts and not (wrong or log.lost),
     )
 
 

@@ -1,19 +1,141 @@
-"""The safety supervisor: which event leads to which action, within which time, and what is remembered of it.
+"""The safety supervisor: the tables that an operation keeps to, and the step that keeps to them.
 
-It is a value and a pure step: no clock, no bus, no threads. Every tick it gets the time, everything that is wrong at
-that moment, and what the robot reports; it answers with the state that follows. `transitions` has the
-tables of events and actions, and of states.
+The tables, which the documentation prints, say what leads where, and what is done when. The supervisor's state says
+whether the joints may move, the phase says what for:
+
+    idle      the robot is limp; no reference is sent
+    ready     the joints are held straight
+    running   the joints follow the controller
+    stopping  the robot is being straightened, and then made limp
+    fault     limp, and it stays so until somebody acknowledges and nothing is wrong any more
+
+The supervisor says which event leads to which action, within which time, and what is remembered of it. It is a value
+and a pure step: no clock, no bus, no threads. Every tick it gets the time, everything that is wrong at that moment, and
+what the robot reports; it answers with the state that follows.
 
 The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go limp after
 `LIMP_AFTER`. So to stop sending references is a way to stop that needs no bus, and every time stated here rests on it.
 """
 
+import csv
 from collections.abc import Set
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
 
 from laticauda.errors import nearest
-from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, Rule, granted
 from laticauda.quantities import quantity, value
+
+
+def _table(name: str) -> list[dict[str, str]]:
+    """The rows of one of the two tables beside this file; they are read with it."""
+    with Path(__file__).with_name(f"{name}.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# ---- what leads where -----------------------------------------------------------------------------------------------
+
+STATES = ("idle", "ready", "running", "stopping", "fault")
+PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
+PHASES = (*PREPARATIONS, "running", "stopping", "done")
+REQUESTS = ("checked", "started", "ended", "acknowledged")
+"""Events by which the operation asks the supervisor for another state; all others it finds out by itself."""
+
+
+class Transition(NamedTuple):
+    """One row."""
+
+    phase: str
+    """Before; one of `PHASES`."""
+    state: str
+    """Of the supervisor, before; one of `STATES`."""
+    event: str
+    """What happens."""
+    next_phase: str
+    """After it."""
+    next_state: str
+    """After it."""
+
+
+TRANSITIONS: tuple[Transition, ...] = tuple(Transition(**row) for row in _table("transitions"))
+"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: one that has to be
+acknowledged. `settled`: the modules say that they are limp, or have had the time for it."""
+
+
+# ---- what goes wrong ------------------------------------------------------------------------------------------------
+
+ACTIONS = ("none", "finish", "straighten", "limp", "emergency_stop")
+"""Each is graver than the one before it."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What one event leads to."""
+
+    event: str
+    """Its name."""
+    says: str
+    """What happened, in words."""
+    action: str
+    """One of `ACTIONS`."""
+    is_fault: bool = True
+    """Whether somebody has to acknowledge it before the robot moves again."""
+
+
+RULES: tuple[Rule, ...] = tuple(Rule(is_fault=row.pop("then") == "fault", **row) for row in _table("rules"))
+"""The gravest come first."""
+BY_EVENT = {rule.event: rule for rule in RULES}
+
+
+def cause_of(event: str) -> str:
+    """What happened, in words; the event itself if there is no rule for it.
+
+    Args:
+        event: Of `RULES`, or another one.
+    """
+    return BY_EVENT[event].says if event in BY_EVENT else event
+
+
+# ---- reading the tables ---------------------------------------------------------------------------------------------
+
+_NEXT_PHASE = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
+_BY_STATES = {(row.phase, row.state, row.next_state): row.next_phase for row in TRANSITIONS}
+_GRANTED = {(row.state, row.event): row.next_state for row in TRANSITIONS if row.event in REQUESTS}
+
+
+def phase_after(phase: str, event: str) -> str:
+    """The phase that follows an event which the operation finds by itself.
+
+    Args:
+        phase: Before.
+        event: One that the table has for this phase.
+    """
+    return _NEXT_PHASE[phase, event]
+
+
+def phase_with(phase: str, state: str, next_state: str) -> str:
+    """The phase that follows when the supervisor changes its state; whatever else, its stop stops the operation.
+
+    Args:
+        phase: Before.
+        state: Of the supervisor, before.
+        next_state: After.
+    """
+    otherwise = "stopping" if next_state in ("stopping", "fault") else phase
+    return _BY_STATES.get((phase, state, next_state), otherwise)
+
+
+def granted(state: str, request: str) -> str:
+    """The supervisor's state after a request; the same if the table does not have it there.
+
+    Args:
+        state: Before.
+        request: One of `REQUESTS`.
+    """
+    return _GRANTED.get((state, request), state)
+
+
+# ---- the step -------------------------------------------------------------------------------------------------------
 
 HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # what a module does by itself without references [s]
 CONFIRM_TIME = 0.5  # modules that do not report that they are limp by then get an emergency stop [s]

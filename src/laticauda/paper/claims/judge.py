@@ -17,7 +17,7 @@ import numpy as np
 from laticauda.paper import efficiency, measured, path_following, runs, side_trials
 from laticauda.paper.claims import quantities
 from laticauda.paper.report.chapter import paper_templates
-from laticauda.reports.texts import in_digits
+from laticauda.reports.chapter import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
 STUDIES: Mapping[str, tuple[type[runs.Study[Any]], str]] = {

@@ -10,8 +10,7 @@ from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.measured import MeasuredRow, PrintedChange
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.scores import FinGain, scores
-from laticauda.reports.chapter import Chapter, templates
-from laticauda.reports.texts import Row
+from laticauda.reports.chapter import Chapter, Row, templates
 
 
 @cache

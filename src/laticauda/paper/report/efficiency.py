@@ -6,19 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import Gait
 from laticauda.paper.claims.quantities import best_null, fin_by_gait
-from laticauda.paper.efficiency import EfficiencyStudy, SweepResult, maxima
+from laticauda.paper.efficiency import EfficiencyStudy, Repeat, SweepResult, maxima
 from laticauda.paper.measured import percent_change
-from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
-from laticauda.reports.chapter import Chapter
-from laticauda.reports.texts import Row
+from laticauda.reports.chapter import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from laticauda.paper.figures.efficiency import Panel
+    from laticauda.paper.figures import Panel
 
 NEAR = math.radians(5.0)  # of the measured maximum; by less than rounding more [rad, rad/s]
 
@@ -159,7 +157,7 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         study: What `run_efficiency` returned.
         repeats: Repeated trials to draw beside the paper's.
     """
-    from laticauda.paper.figures.efficiency import POWERS, VELOCITY, efficiency_sheet
+    from laticauda.paper.figures import POWERS, VELOCITY, efficiency_sheet
 
     for place, group in enumerate(study.settings.groups):
         panels = [_panel(study, sweep, place, repeats) for sweep in study.sweeps]
@@ -172,7 +170,7 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":
     """One panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
-    from laticauda.paper.figures.efficiency import Panel
+    from laticauda.paper.figures import Panel
 
     group, rows = study.settings.groups[place], [case.measured for case in study.cases]
     on_line = [row for row in rows if row.group == group.name and sweep.settings.contains(row.gait)]

@@ -12,8 +12,7 @@ from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
 from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
-from laticauda.reports.chapter import Chapter
-from laticauda.reports.texts import Row
+from laticauda.reports.chapter import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -142,7 +141,7 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
         study: What `run_path_following` returned.
     """
     from laticauda.figures import follow_sheet
-    from laticauda.paper.figures.following_speeds import following_speeds_sheet
+    from laticauda.paper.figures import following_speeds_sheet
 
     null = _best_null(study)
     title = "Forward velocity in path following (Table 2)"

@@ -1,33 +1,30 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
 import os
-import signal
+import sys
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
-from multiprocessing import active_children, get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process, resource_tracker
 from pathlib import Path
 from threading import Thread
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
-from laticauda import packaging, scenarios
-from laticauda.errors import one_of, whole
+from laticauda import packaging, robot, scenarios
+from laticauda.errors import deaf, one_of, whole
 from laticauda.files import write
 from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.claims import Claim, claims, misprints
-from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
+from laticauda.paper.efficiency import EfficiencyStudy, Repeat, run_efficiency
 from laticauda.paper.path_following import PathFollowingStudy, run_path_following
-from laticauda.paper.repeats import Repeat
 from laticauda.paper.report import efficiency, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
@@ -35,10 +32,7 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "side": side_trials.run_side_trials,
 }
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
-HALVES: Mapping[str, tuple[str, ...]] = {
-    "efficiency": ("efficiency", "side"),
-    "path-following": ("path_following",),
-}
+HALVES: Mapping[str, tuple[str, ...]] = {"efficiency": ("efficiency", "side"), "path-following": ("path_following",)}
 """The studies that belong to each half of the paper."""
 STUDIES = tuple(HALVES)
 """The halves of the paper."""
@@ -72,7 +66,7 @@ class Experiments:
     """Figs. 12 to 23 and Table 2."""
 
 
-def paper_experiments(parameters: Parameters | None = None) -> Experiments:
+def paper_experiments(parameters: robot.Parameters | None = None) -> Experiments:
     """The settings of a whole reproduction.
 
     Args:
@@ -187,7 +181,8 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
     predictors = {name: scores(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.figures import identification, style
+        from laticauda.figures import style
+        from laticauda.reports.identify_figures import parity
 
         shown = {
             f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
@@ -195,7 +190,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
             for one in (first, *[other for other in others if other.n_fitted and not other.is_null][:1])
         }
         figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
-        ax = identification.parity(shown, figure.subplots(), what="forward velocity [m/s]")
+        ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
         ax.set(ylabel="simulated forward velocity [m/s]")
         style.legend(ax, loc="upper left")
         yield "speeds", "Speeds of the robot against those simulated.", figure
@@ -260,12 +255,14 @@ def _run(
     if min(workers, len(names)) == 1:
         return {name: do(name, progress) for name in names}
     context = get_context("spawn")  # the only way to start a process that is safe everywhere
+    if os.name == "posix":
+        _track()
     told = context.SimpleQueue()
     listener = Thread(target=_listen, args=(told, progress), daemon=True)
     listener.start()
     workers, others = min(workers, len(names)), set(active_children())
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_remember, initargs=(told,)) as pool:
-        with _deaf() if hasattr(signal, "pthread_sigmask") else nullcontext():  # not on Windows
+        with deaf():  # this process ends them
             running = {pool.submit(do, name, _tell): name for name in names}
         try:
             done = {running[future]: future.result() for future in as_completed(running)}
@@ -278,14 +275,13 @@ def _run(
     return done
 
 
-@contextmanager
-def _deaf() -> Generator[None]:
-    """Ctrl-C is for this process, which ends its workers: those that are started here never get to know of it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _track() -> None:
+    """Start the process that removes what workers share when this one is killed: nobody need hear of that."""
+    sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")  # which it is started with
     try:
-        yield
+        resource_tracker.ensure_running()
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        sys.warnoptions.pop()
 
 
 def _do(

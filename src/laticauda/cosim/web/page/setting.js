@@ -121,11 +121,18 @@ const spelled = (name) => name.replaceAll("_", "-");
 const rigidityOf = (setting) => numberOf(setting, PAGE.sliders.find((one) => one.group === "fin"));
 const currentOf = (setting) => PAGE.sliders.filter((one) => one.group === "current").map((one) => numberOf(setting, one));
 
+/** The fin as it swims, and what of it is not as the robot's own file has it. */
+function finOf(setting) {
+  const fin = { ...bodyOf(setting).plate }, own = Object.values(robotOf(setting).fins)[0].plate;
+  if (fin.n_hinges) fin.flexural_rigidity = rigidityOf(setting);
+  return { fin, changed: Object.entries(fin).filter(([name, number]) => number !== own[name]) };
+}
+
 /** Lines for a shell that run the setting from straight and at rest. */
 function inShell(setting, duration) {
   let robot = setting.robot, lines = "";
-  if (setting.fin === "elastic") {
-    const fin = { ...bodyOf(setting).plate, flexural_rigidity: rigidityOf(setting) };
+  const { fin, changed } = finOf(setting);
+  if (changed.length) {
     const numbers = Object.entries(fin).map(([name, number]) => `${name} = ${JSON.stringify(number)}\n`).join("");
     lines = `cat > robot.toml <<'END'\nkind = "robot"\nextends = "${robot}"\nname = "${robot}"\n\n[caudal_fin]\n${numbers}END\n`;
     robot = "robot.toml";
@@ -148,12 +155,12 @@ function inShell(setting, duration) {
 function inPython(setting, duration) {
   const by = (group, sliders) => sliders.filter((one) => one.group === group)
     .map((one) => `${one.group === "water" ? one.field : spelled(one.flag).replaceAll("-", "_")}=${numberOf(setting, one)}`);
-  const water = by("water", named(setting)), elastic = setting.fin === "elastic";
+  const water = by("water", named(setting)), { changed } = finOf(setting);
   const lines = [`gait = lc.${setting.gait}(${by("gait", named(setting)).join(", ")})`];
   let robot = `"${setting.robot}"`, motion = "gait";
-  if (elastic) {
+  if (changed.length) {
     lines.push(`robot = lc.load_robot(${robot})`,
-      `fin = replace(robot.caudal_fin, n_hinges=${bodyOf(setting).plate.n_hinges}, flexural_rigidity=${rigidityOf(setting)})`,
+      `fin = replace(robot.caudal_fin, ${changed.map(([name, number]) => `${name}=${number}`).join(", ")})`,
       "robot = replace(robot, caudal_fin=fin)");
     robot = "robot";
   }
@@ -168,7 +175,7 @@ function inPython(setting, duration) {
   lines.push(`scenario = lc.scenario(${robot}, ${motion}, ${duration}${current})`);
   if (water.length) lines.push(`water = replace(scenario.environment, ${water.join(", ")})`, "scenario = replace(scenario, environment=water)");
   lines.push("trial = lc.swim(scenario)", "print(trial.forward_velocity, trial.mean_power)");
-  const imports = `${elastic || water.length ? "from dataclasses import replace\n\n" : ""}import laticauda as lc\n\n`;
+  const imports = `${changed.length || water.length ? "from dataclasses import replace\n\n" : ""}import laticauda as lc\n\n`;
   return `${imports}${lines.join("\n")}\n`;
 }
 

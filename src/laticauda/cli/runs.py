@@ -1,0 +1,325 @@
+"""`laticauda swim | follow | replay`: one run of one robot, its figures, file and picture.
+
+It swims its gait or follows a path; or it swam, and its recorded operation becomes a trial, and goes once more through
+the estimator and the controller.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import laticauda as lc
+from laticauda import control, estimation, figures, operate, simulate
+from laticauda.cli import command, flags, report, scene, trial
+from laticauda.cli.flags import BadFlag, File, Files, NetCdf, Picture, ScenarioFile, Toml
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+
+if TYPE_CHECKING:
+    from laticauda.operate.recording.entries import Timing
+
+
+@value
+class Recording(trial.Filming):
+    """A command that makes a trial, and what becomes of that."""
+
+    save: NetCdf = option("Write the trial to this netCDF file (.nc)", default=None)
+    plot: Picture = option("Draw path, speed, joint angles and torques into this picture (.png or .pdf)", default=None)
+    sheet: ClassVar[str] = "swim_sheet"
+
+    def outcome(
+        self,
+        trial: lc.Trial,
+        origin: str,
+        more: str = "",
+        facts: Mapping[str, Any] | None = None,
+        beside: Sequence[lc.Trial] = (),
+    ) -> command.Outcome:
+        """Write what is asked for, and say what came out.
+
+        Args:
+            trial: The run.
+            origin: Where its coefficients are from, in words.
+            more: What is printed below the table.
+            facts: What is known besides, for JSON.
+            beside: Of other robots in the same scene.
+        """
+        if self.save is not None:
+            for k, one in enumerate((trial, *beside)):
+                one.save(f"{self.save.removesuffix('.nc')}-{k}.nc" if k else self.save)
+        if self.plot is not None:
+            figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
+        self.write_film(trial, beside=beside)
+        return command.Outcome(
+            facts={**report.facts_of(trial), **(facts or {})},
+            text=report.as_text(trial, origin) + more,
+            problem="" if trial.succeeded else trial.status,
+            succeeded=trial.succeeded,
+        )
+
+
+@value
+class Run(scene.OfScenario, Recording):
+    """A command that lets one scenario run."""
+
+    file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
+    link_forces: bool = option("Log the force on every link too", default=False)
+    save_scenario: Toml = option("Write what runs to this scenario file (.toml)", default=None)
+
+    def swum(self, scenario: lc.Scenario) -> lc.Trial:
+        """The run of a scenario, which is written if that is asked for.
+
+        Args:
+            scenario: What runs.
+        """
+        if self.save_scenario is not None:
+            lc.save_scenario(scenario, self.save_scenario)
+        scene.warn_of_compiling(scenario.environment, scenario.model)
+        return lc.swim(scenario, link_forces=self.link_forces, progress=command.run_bar(scenario.duration))
+
+
+@value
+class Swim(Run):
+    """Let a robot swim a gait, from straight and at rest, and print its speed and power.
+
+    For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130
+    --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
+    """
+
+    resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
+    interval: bool = option("Intervals of the figures from those of textbook coefficients; 8 more runs", default=False)
+
+    beside: Files = option("Scenarios of further robots in the same scene; --save run.nc: run-1.nc, ...", default=())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed; see `OfScenario.read`."""
+        return SwimOn.read(words, prog) if flags.was_typed("resume", words) else super().read(words, prog)
+
+    def run(self) -> command.Outcome:
+        """Run and write."""
+        if self.beside:
+            return self._together()
+        trial = self.swum(self.chosen)
+        if not self.interval:
+            return self.outcome(trial, self.origin)
+        found = simulate.spread(trial)
+        return self.outcome(trial, self.origin, f"\n\n{report.interval_table(trial, found)}", {"interval": found})
+
+    def _together(self) -> command.Outcome:
+        """The robot and those of further scenario files, in one scene."""
+        scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
+        trial, *others = lc.swim_together(scenarios, progress=command.run_bar(self.chosen.duration))
+        facts = {"beside": [report.facts_of(one) for one in others]}
+        return self.outcome(trial, self.origin, "".join(f"\n\n{report.as_text(one)}" for one in others), facts, others)
+
+
+@value
+class SwimOn(Recording):
+    """Go on from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
+
+    resume: File = option("The stored trial", default=None)
+    duration: float = quantity("s", "How much longer", gt=0.0, default=30.0)
+    sample_interval: float = quantity("s", "Between two samples of the log", gt=0.0, default=0.05)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
+        """The command that was typed; arguments as for `Swim.read`.
+
+        Raises:
+            BadFlag: If an option says what the stored trial says.
+        """
+        allowed = {flags.flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
+        for word in words:
+            if word.startswith("--") and word.split("=")[0] not in allowed:
+                raise BadFlag(f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own.")
+        return flags.read(cls, words, prog)
+
+    def run(self) -> command.Outcome:
+        """Run and write."""
+        assert self.resume is not None
+        first = lc.load_trial(self.resume)
+        if not isinstance(first.scenario, lc.Scenario):
+            raise BadFlag(f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}")
+        scenario = replace(first.scenario, duration=self.duration)
+        body = lc.plant(scenario)
+        scene.warn_of_compiling(scenario.environment, scenario.model)
+        second = lc.resume(
+            body,
+            first,
+            self.duration,
+            sample_interval=self.sample_interval,
+            link_forces=first.link_force is not None,
+            progress=command.run_bar(self.duration),
+        )
+        return self.outcome(lc.joined(first, second), f"as stored in {self.resume}")
+
+
+# ---- along a path ---------------------------------------------------------------------------------------------------
+
+
+@value
+class Route(control.Course):
+    """Where to go, and by which law."""
+
+    waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
+    guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
+        "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
+    )
+    observe_current: bool = option(
+        "Observe the current and point upstream, with a model of the gait fitted to four trials in still water first",
+        default=False,
+    )
+
+    @property
+    def following(self) -> control.Following:
+        """In numbers, with the paper's settings for Mamba, and where published integral guidance starts from."""
+        if len(self.waypoints) % 2:
+            count = len(self.waypoints)
+            raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
+        if self.path_depth and self.guidance == "model-predictive":
+            raise BadArgument("path_depth", "must be left out with the guidance model-predictive, which plans in plan")
+        guidance: Any = "line_of_sight" if self.guidance == "model-predictive" else self.guidance.replace("-", "_")
+        return control.Following(
+            waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
+            guidance=guidance,
+            **{name: getattr(self, name) for name in control.Course.__dataclass_fields__},
+        )
+
+
+@value
+class Follow(Run):
+    """Let a robot follow a path with its gait, from beside it, and print how soon and how well it came there.
+
+    For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60 --save run.nc --plot
+    run.png
+    """
+
+    route: Route = option("Where to go, and by which law", default=Route())
+    sheet: ClassVar[str] = "follow_sheet"
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed; see `OfScenario.read`."""
+        names, route = scene.Names.read(words, prog), flags.read(Route, words, prog, first=True)
+        scenario, origin = names.scenario(words)
+        kind = FollowPlanned if route.guidance == "model-predictive" else cls
+        if scenario.motion == scenario.gait:  # a file may have a controller
+            motion = scenario.gait if kind is FollowPlanned else route.following.controller(scenario.gait)
+            scenario = replace(scenario, motion=motion, duration=90.0, start=lc.Start(center_of_mass=(0.0, 1.0)))
+        return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
+
+    def run(self) -> command.Outcome:
+        """Run and write."""
+        trial = self.swum(self.steered(self.chosen))
+        return self.outcome(trial, self.origin, f"\n\n{report.following_table(trial)}")
+
+    def steered(self, scenario: lc.Scenario) -> lc.Scenario:
+        """The scenario with the controller that is asked for.
+
+        Args:
+            scenario: With the numbers that were typed.
+        """
+        motion = scenario.motion
+        if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
+            return scenario
+        return replace(scenario, motion=replace(motion, observer=control.CurrentObserver(model=learned(scenario))))
+
+
+@value
+class FollowPlanned(Follow):
+    """Let a robot follow a path by planning ahead, with a model that it fits to four trials of its own first.
+
+    For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
+    """
+
+    speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
+    plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
+
+    def steered(self, scenario: lc.Scenario) -> lc.Scenario:
+        """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
+        gait, model = scenario.gait, learned(scenario, self.plan.frequency_limits)
+        speed = model.speed(gait.frequency, 0.0) if self.speed is None else self.speed
+        path, plan = self.route.following.path, vars(self.plan)
+        motion = control.ModelPredictive(gait=gait, path=path, model=model, speed=speed, **plan)
+        return replace(scenario, motion=motion)
+
+
+def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None) -> control.AveragedModel:
+    """How its gait moves its robot, from trials that are run now.
+
+    Args:
+        scenario: Of the robot.
+        frequency_limits: See `studies.averaged_model` [rad/s].
+    """
+    from laticauda.studies import averaged_model
+
+    show = command.progress(command.SHARE, what="learned how the gait moves the robot", patience=command.PATIENCE)
+    return averaged_model(simulate.plant(scenario), scenario.gait, frequency_limits, progress=show)
+
+
+# ---- what was operated -----------------------------------------------------------------------------------------------
+
+
+@value
+class Replay(Recording):
+    """Make a trial of a recorded operation, and print its figures.
+
+    The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
+    goes. --estimate and --control run the recorded estimator and controller again on what was recorded.
+
+    For example: laticauda replay run.mcap --save run.nc --estimate --control
+    """
+
+    file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
+    estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
+    kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
+    control: bool = option("Controller decides again, and compare its commands with the recorded", default=False)
+    plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png or .pdf)", default=None)
+
+    def run(self) -> command.Outcome:
+        """Read, run again, and write."""
+        log = operate.read_operation(self.file)
+        estimates = self._estimates(log)
+        trial = operate.trial_of(log, estimates)
+        self._draw(log.timing)
+        rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
+        verdict = operate.spoken(log, simulate.plant)
+        facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}
+        text = ["\n".join(verdict["lines"])]
+        if log.timing is not None:
+            facts["timing"] = log.timing.summary()
+            text.append(f"The operator's loop: {operate.punctuality(facts['timing'])}.")
+        if rerun is not None:
+            facts["control"] = {
+                "n_commands": len(rerun.recorded),
+                "n_different": rerun.n_different,
+                "largest_difference": rerun.largest_difference,
+            }
+            text.append(_sentence(rerun))
+        lost = f"laticauda: {log.lost}" if log.lost else ""
+        return replace(self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost)
+
+    def _draw(self, timing: "Timing | None") -> None:
+        if self.plot_timing is None:
+            return
+        if timing is None:
+            raise BadArgument("plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}")
+        figures.save_figure(figures.timing_sheet(timing.lateness, timing.latency, timing.interval), self.plot_timing)
+
+    def _estimates(self, log: "operate.OperationLog") -> "list[estimation.Estimate] | None":
+        if self.kinematics:
+            known = {name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")}
+            kwargs = {name: one for name, one in known.items() if one is not None}
+            return operate.rerun_estimator(log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs))
+        return operate.rerun_estimator(log, plant=simulate.plant) if self.estimate else None
+
+
+def _sentence(rerun: "operate.Rerun") -> str:
+    n = len(rerun.recorded)
+    if rerun.n_different == 0:
+        return f"The controller decided the same again, to the last bit, at all {n} control instants."
+    return (
+        f"The controller decided otherwise at {rerun.n_different} of {n} control instants, "
+        f"by up to {rerun.largest_difference:.3g} rad of the joints' offset."
+    )

@@ -1,0 +1,241 @@
+"""`laticauda lab | serve | cockpit`: the virtual tank, robots in water for other programs, and the live page.
+
+Each serves until Ctrl-C, with one line that says where to reach it.
+"""
+
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Literal
+
+import laticauda as lc
+from laticauda import cosim, lab, packaging, protocol, robot
+from laticauda.cli.command import LOCAL, Command, until_stopped
+from laticauda.cli.flags import File, Files, NetCdf, ScenarioFile, read
+from laticauda.cli.scene import OfScenario, warn_of_compiling
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Scene, Water, load_robot
+from laticauda.scenarios import model_of, named_after, water_for
+
+# ---- the virtual tank ------------------------------------------------------------------------------------------------
+
+
+@value
+class Body:
+    """What swims, where."""
+
+    robot: str = option("A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-modules")
+    water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
+    model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
+    scene: str | None = option("What is around it in space, as for `laticauda swim`: tank, pipe ...", default=None)
+    joints: str = option("Its servos: servo, or speed-servo, which control their speed", default="servo")
+
+    @property
+    def pool(self) -> Water:
+        """The water, as it was found."""
+        return water_for(load_robot(self.robot), self.water)
+
+
+@value
+class Wires:
+    """How it is reached."""
+
+    bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] of processes, or socketcan[:NAME]", default="udp_multicast")
+    host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=22223)
+    hops: int = quantity("", "Routers that frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0)
+
+
+@value
+class Time:
+    """Its clock, its chance, its faults."""
+
+    speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
+    duration: float | None = quantity("s", "How long, by the lab's clock; until Ctrl-C if left out", default=None)
+    seed: int = quantity("", "Of all that is random", ge=0, default=0)
+    faults: File = option("A schedule of what goes wrong (.toml)", default=None)
+
+
+@value
+class LabCommand(Command):
+    """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM's clients read, a power meter.
+
+    It prints one line that says where to reach them. Lines that you type are for the person at the tank: `leak node=5
+    duration=2` and other faults, `clear`, `carry X Y HEADING_DEG`, `truth`, `help`.
+
+    For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
+    """
+
+    body: Body = option("What swims, where", default=Body())
+    start: lc.Start = option("Where it lies, straight", default=lc.Start())
+    coefficients: Water = option("Replace what the chosen water has")
+    servos: lc.JointLaw = option("The servos' own numbers")
+    scene: Scene = option("What is around it", default=Scene())
+    wires: Wires = option("How it is reached", default=Wires())
+    time: Time = option("Its clock, its chance, its faults", default=Time())
+    save: NetCdf = option("Write the truth since the robot was put into the water to this file (.nc)", default=None)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
+        """The command that was typed; see `Command.read`."""
+        body: Body = read(Body, words, prog, first=True)
+        settings = model_of(body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene}))
+        scene = getattr(settings, "scene", None) or Scene()
+        return read(cls, words, prog, cls(body=body, coefficients=body.pool, servos=settings.joints, scene=scene))
+
+    def run(self) -> None:
+        """Serve until Ctrl-C, or as long as is asked for."""
+        bus = protocol.bus_address(self.wires.bus, hops=self.wires.hops)
+        if bus.interface == "virtual":
+            raise BadArgument("bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}")
+        tank = self._tank()
+        served = lab.Lab(tank, bus=bus, host=self.wires.host, port=self.wires.port, speed=self.time.speed)
+        addresses = served.open()
+        with until_stopped(served.close):
+            self._announce(addresses, tank)
+            threading.Thread(target=_listen, args=(served,), daemon=True).start()
+            served.run(self.time.duration)
+        if served.lag > 0.0:
+            print(f"This computer could not follow: the lab's clock waited for {served.lag:.1f} s.", file=sys.stderr)
+        if self.save is not None:
+            tank.body.trial(packaging.__version__).save(self.save)
+
+    def _tank(self) -> "lab.Tank":
+        """The tank that is asked for, its kernels compiled."""
+        robot = load_robot(self.body.robot)
+        water = named_after(self.coefficients, self.body.pool)
+        faults = () if self.time.faults is None else lab.load_faults(self.time.faults)
+        settings = lab.LabSettings(seed=self.time.seed)
+        warn_of_compiling(water, self.body.model)
+        scene = None if self.body.scene is None else self.scene
+        body = lc.plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
+        return lab.Tank(lab.VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
+
+    def _announce(self, addresses: "lab.LabAddresses", tank: "lab.Tank") -> None:
+        host, bus = addresses.mocap_host, addresses.bus
+        if host not in LOCAL:
+            print(f"Anyone who reaches {host} can read the cameras: the protocol knows no passwords.", file=sys.stderr)
+        if bus.hops or bus.interface == "socketcan":
+            print(f"Anyone on {bus} can move the robot: a CAN bus knows no passwords.", file=sys.stderr)
+        qtm = f"{host}:{addresses.mocap_port}"
+        line = {"bus": str(bus), "qtm": qtm, "meter": addresses.meter, "nodes": len(tank.nodes)}
+        only = "" if host != "127.0.0.1" or bus.hops else " (this computer only)"
+        self.announce(line, " | ".join(f"{name} {value}" for name, value in line.items()) + only)
+
+
+def _listen(served: "lab.Lab") -> None:
+    """Do what lines on the standard input say, until it ends."""
+    for line in _lines():
+        if line.strip():
+            try:
+                print(served.call(lambda tank, line=line: lab.assist(tank, line)), file=sys.stderr, flush=True)
+            except ValueError as error:
+                print(error, file=sys.stderr, flush=True)
+
+
+def _lines() -> Iterator[str]:
+    """The lines of the standard input, if there is one."""
+    try:
+        yield from sys.stdin or ()
+    except OSError:
+        return
+
+
+# ---- robots in water for other programs -----------------------------------------------------------------------------
+
+
+@value
+class Serve(Command):
+    """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has a world of its own.
+
+    It prints one line that says where, with the token that clients from other computers need. A client for GNU Octave
+    and MATLAB comes with laticauda; its folder is in the line too. The messages: docs/cosim-protocol.md.
+
+    For example: laticauda serve --port 5055 --max-clients 4
+    """
+
+    host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
+    max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
+    robots: Files = option("TOML files of robots that clients may name, without .toml, like presets", default=())
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        server = cosim.Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
+        _compile()
+        server.open()
+        with until_stopped(server.close):
+            token, folder = server.door.token, str(cosim.matlab_folder())
+            if server.door.warning:
+                print(server.door.warning, file=sys.stderr)
+            facts = {"host": server.host, "port": server.port, "protocol": cosim.PROTOCOL_VERSION}
+            address = f"{server.host}:{server.port} ({f'token {token}' if token else 'this computer only'})"
+            text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | matlab {folder}"
+            self.announce({**facts, "token": token, "matlab": folder}, text)
+            server.run()
+
+
+def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
+    """The robots in files by the names of the files.
+
+    Raises:
+        ValueError: If a preset, or another one, has that name.
+    """
+    found: dict[str, lc.Robot] = {}
+    for file in files:
+        name = Path(file).stem
+        if name in found or name in robot.robot_names():
+            raise BadArgument("robots", f"must have names of their own, got {file}: there is another `{name}`")
+        found[name] = lc.load_robot(Path(file))
+    return found
+
+
+def _compile() -> None:
+    """Let nobody's first step wait for the compiler."""
+    water = lc.load_water("paper-lateral")
+    warn_of_compiling(water)
+    command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
+    body = lc.plant(lc.load_robot("mamba"), water)
+    body.step(body.init(lc.Start(), command), command, 1e-3)
+
+
+# ---- the live page --------------------------------------------------------------------------------------------------
+
+
+@value
+class CockpitCommand(OfScenario):
+    """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
+
+    It prints one line with the page's address, in which there is a token where other computers reach it. Whoever opens
+    the page can use all of its controls.
+
+    For example: laticauda cockpit --robot mamba-fin --port 8080
+    """
+
+    file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
+    operated: str | None = option("Show the robot of this recording, or folder, while it is operated", default=None)
+    load: str | None = option("Play back this trial or recording of an operation beside it", default=None)
+    host: str = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        from laticauda.cockpit import Cockpit, Live
+        from laticauda.cockpit.pages import load_viser
+
+        load_viser()
+        scenario = self.chosen
+        warn_of_compiling(scenario.environment, scenario.model)
+        cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
+        if cockpit.door.warning:
+            print(cockpit.door.warning, file=sys.stderr)
+        with until_stopped(cockpit.close):
+            if self.load is not None:
+                cockpit.load(Path(self.load))
+            if self.operated is not None:
+                cockpit.operated.watch(Path(self.operated))
+            cockpit.open()
+            self.announce({"address": cockpit.address}, cockpit.address)
+            cockpit.wait()

@@ -1,0 +1,125 @@
+"""A recording that a program of its own writes, so that neither the disk nor the encoding makes the loop late.
+
+The loop puts what it has into a pipe, as far as there is room, and never waits. The program writes until its input
+ends: also when that of the loop was killed.
+"""
+
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any, cast
+
+from laticauda.errors import LaticaudaError, StorageFailed
+from laticauda.operate.drivers.can import Frame
+from laticauda.operate.recording.entries import Entry, Header
+from laticauda.operate.recording.log import OperationRecorder, Sink
+
+MOST_WAITING = 1 << 26  # bytes that the pipe did not take yet; beyond them, the disk does not keep up
+
+
+class Writer(AbstractContextManager["Writer"]):
+    """Keeps a record of every tick, as `Sink` does, in a program of its own; a context manager.
+
+    Args:
+        path: The file; an older one is never replaced.
+        header: What is known at the start; it is on disk at once.
+        frames: Whether the raw frames of the bus are kept.
+
+    Raises:
+        StorageFailed: If the file exists, or cannot be written.
+    """
+
+    trouble = ""
+    """Why nothing is recorded any more; "" as long as it is."""
+
+    def __init__(self, path: Path, header: Header, *, frames: bool = True) -> None:
+        code = f"from {__name__} import main; main()"
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        # In a session of its own: Ctrl-C is for the operator, and this goes on until there is nothing more to write.
+        self._process: Any = subprocess.Popen([sys.executable, "-P", "-c", code], start_new_session=True, **pipes)
+        self._pipe, self._waiting = self._process.stdin.fileno(), bytearray()
+        self._listener = threading.Thread(target=self._listen, name="recording", daemon=True)
+        self._send((path, header, frames))
+        said = self._process.stdout.readline()
+        if said != b'""\n':
+            self.close()
+            raise StorageFailed(
+                json.loads(said) if said else "The program that is to write the recording does not begin."
+            )
+        os.set_blocking(self._pipe, False)
+        self._listener.start()
+
+    def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
+        """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
+        if len(self._waiting) > MOST_WAITING:
+            self.trouble = self.trouble or "the disk does not keep up with the recording"
+        if not self.trouble:
+            self._send((now, found))
+
+    def close(self) -> None:
+        """Have everything written, and wait for it."""
+        os.set_blocking(self._pipe, True)
+        while self._waiting and self._process.poll() is None:
+            self._pass_on()
+        self._process.stdin.close()
+        self._process.wait()
+        if self._listener.ident is not None:
+            self._listener.join()
+        self._process.stdout.close()
+
+    def _send(self, what: object) -> None:
+        self._waiting += pickle.dumps(what, protocol=-1)
+        self._pass_on()
+
+    def _pass_on(self) -> None:
+        try:
+            del self._waiting[: os.write(self._pipe, self._waiting)]
+        except BlockingIOError:  # later
+            pass
+        except OSError:
+            self.trouble = self.trouble or "the program that writes the recording has ended"
+            self._waiting.clear()
+
+    def _listen(self) -> None:
+        for line in self._process.stdout:
+            self.trouble = json.loads(line)
+
+    def __exit__(self, *_: object) -> None:
+        """Close it."""
+        self.close()
+
+
+def main() -> None:
+    """What that program does: where to, the header and whether raw frames count come first, then tick after tick."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    given = sys.stdin.buffer
+    path, header, frames = cast("tuple[Path, Header, bool]", pickle.load(given))
+    try:
+        with OperationRecorder(path, header) as recorder:
+            _say("")
+            _write(Sink(recorder, frames=frames), given)
+    except (LaticaudaError, OSError) as error:
+        _say(str(error))
+
+
+def _write(sink: Sink, given: Any) -> None:
+    """Write ticks until there are no more."""
+    while True:
+        try:
+            now, found = pickle.load(given)
+        except (EOFError, pickle.UnpicklingError):  # it was killed in the midst of one
+            return
+        sink.keep(now, found)
+        if sink.trouble:
+            _say(sink.trouble)
+
+
+def _say(trouble: str) -> None:
+    os.write(sys.stdout.fileno(), f"{json.dumps(trouble)}\n".encode())

@@ -1,0 +1,268 @@
+"""Whether a run that reached its end is right: what was checked, how near each came to its limit, and since when.
+
+The yardstick is the same robot simulated with servos in its joints, which gets the very references that were sent. So a
+joint may do whatever lies between its reference and what its servo makes of it under the water's load. How fast the
+robot swims may differ from the model, which may be wrong: that is noted. That it *changes* while the model does not
+says that something happened to robot, cameras or water, and rejects the run. docs/theory/verdict.md has it in full.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from laticauda import gaits
+from laticauda.dynamics.plant import Plant
+from laticauda.estimation import Estimate, JointSample, Mount, PoseSample, ReferenceSample
+from laticauda.interfaces import Command, Start
+from laticauda.operate.recording.entries import Event
+from laticauda.operate.recording.log import OperationLog
+from laticauda.operate.settings import Acceptance
+from laticauda.quantities import quantities_of, texts_of
+
+STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+CYCLE, POINTS = 2.0, 100  # of a gait that has no frequency [s]; at which a cycle is looked at
+FRAMES, GAP = 7, 0.3  # of the cameras, whose median counts, for single ones may be wrong; between them at most [s]
+TURNS, LEAST = 5, 1e-3  # cycles over which turning is averaged; of a cycle, for a gait that hardly goes ahead [m]
+
+BEFORE, LATENCY = 2.0, 0.01  # of the straight robot before the run; by which the smallest one of frames may change [s]
+NOTED = ("model_speed", "without_zero")
+"""Checks that reject no run."""
+Array: TypeAlias = NDArray[np.float64]
+Found: TypeAlias = tuple[Any, Array, str]
+"""When a check's values were known [s], the values, and where the worst is."""
+NOTHING: Found = (), np.empty(0), ""
+
+
+class Check(NamedTuple):
+    """One thing that was checked."""
+
+    name: str
+    """Of the field of `Acceptance` that has its limit."""
+    value: float | None
+    """The worst of it; None: it could not be checked."""
+    limit: float
+    """Beyond which it is wrong."""
+    share: float | None
+    """Of the limit that was used [-]."""
+    since: float | None
+    """When it was first known to be beyond its limit [s since the run began]; None: never."""
+    word: str
+    """What became of it: `ok`, `WRONG`, `noted` or `not checked`."""
+    says: str
+    """The same in words."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All checks of one run."""
+
+    checks: tuple[Check, ...]
+    """One for each limit."""
+
+    @property
+    def reason(self) -> str:
+        """What is wrong first, in a sentence; "" if the run is accepted."""
+        wrong = [check.says for check in self.checks if check.word == "WRONG"]
+        return f"The run is not right: {wrong[0]}." if wrong else ""
+
+    def summary(self) -> dict[str, Any]:
+        """Ready for JSON, and for a recording."""
+        lines = [f"{check.word:<11} {check.says}" for check in self.checks]
+        return {"accepted": not self.reason, "checks": [check._asdict() for check in self.checks], "lines": lines}
+
+
+def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None = None) -> Verdict:
+    """Look through a recorded run.
+
+    Args:
+        log: The recording.
+        limits: What is right.
+        plant: The same robot in its water with servos in its joints; None, or an operation in depth: what needs it is
+            not checked, and joints are compared with their references alone, of whose swing they may lack half.
+    """
+    run = _Run(log, plant)
+    found = dict(run.checked())
+    return Verdict(
+        tuple(_check(limits, name, run.begin, *found.get(name, NOTHING)) for name in quantities_of(Acceptance))
+    )
+
+
+def _check(limits: Acceptance, name: str, begin: float, times: Any, values: Array, where: str) -> Check:
+    """Some values beside their limit."""
+    limit, says = float(getattr(limits, name)), texts_of(Acceptance)[name]
+    if not np.isfinite(values).any():
+        return Check(name, None, limit, None, None, "not checked", says)
+    worst, beyond, unit = float(np.nanmax(values)), np.flatnonzero(values > limit), quantities_of(Acceptance)[name].unit
+    scale, unit = (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
+    since = float(times[beyond[0]]) - begin if beyond.size else None
+    says += f": {scale * worst:.3g} of {scale * limit:.3g} {unit}".rstrip() + f" ({100.0 * worst / limit:.0f} %)"
+    says += ("" if since is None else f", since {since:.1f} s") + (f"; {where}" if where else "")
+    word = "ok" if since is None else "noted" if name in NOTED else "WRONG"
+    return Check(name, worst, limit, worst / limit, since, word, says)
+
+
+def spoken(log: OperationLog, plant: Callable[..., Plant[Any]]) -> Mapping[str, Any]:
+    """The summary of the verdict that a recording holds; of one that was not completed, by the usual limits.
+
+    Args:
+        log: The recording.
+        plant: `laticauda.plant`, which makes the robot to compare with.
+    """
+    found, run = [one.data for one in log.of(Event) if one.kind == "verdict"], log.header.run
+    return (
+        found[0]
+        if found
+        else verdict_of(log, Acceptance(), plant(run.robot, run.environment, joints="servo")).summary()
+    )
+
+
+class _Run:
+    """The run of a recording, cycle by cycle, and the same by the model."""
+
+    def __init__(self, log: OperationLog, plant: Plant[Any] | None) -> None:
+        self.log, (self.begin, end) = log, log.span
+        robot = log.header.run.robot
+        self.mount: Mount = getattr(log.header.estimator, "mount", Mount())
+        self.link = self.mount.on_link(robot)[0]
+        self.estimates: list[Estimate] = self._within(Estimate, self.begin, end)
+        self.samples: list[JointSample] = self._within(JointSample, self.begin, end)
+        self.references: list[ReferenceSample] = self._within(ReferenceSample, self.begin, end)
+        self.seen: list[Any] = [one for one in log.of(PoseSample) if one.rotation is not None]
+        frequency = max((one.frequency or 0.0 for one in self.references), default=0.0)
+        cycle = 2.0 * math.pi / frequency if frequency else CYCLE
+        last = self.samples[-1].time if self.estimates and self.references and self.samples else self.begin
+        n = int((last - self.begin) / cycle + 1e-6) if math.isfinite(self.begin) else 0
+        self.ends = (self.begin if n else 0.0) + cycle * np.arange(1, n + 1)
+        self.grid = self.ends[:, np.newaxis] - cycle + cycle * np.linspace(0.0, 1.0, POINTS)
+        yaw = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
+        self.driven = [*yaw, *range(robot.n_joints, len(robot.driven_joints))]
+        in_plane = n > 0 and len(self.references) > 1 and self.estimates[0].center_of_mass.size == 2
+        fits = plant is not None and len(plant.robot.driven_joints) == len(self.driven)
+        self.model: tuple[Array, ...] = self._modelled(plant) if plant is not None and fits and in_plane else ()
+
+    def checked(self) -> Iterator[tuple[str, Found]]:
+        """All that can be."""
+        yield from self._before()
+        if self.ends.size:
+            yield from self._joints()
+        if self.model and self.ends.size > 1 and len(self.seen) > 2 * FRAMES:
+            yield from self._motion()
+
+    def _within(self, kind: type[Any], begin: float, end: float) -> list[Any]:
+        return [one for one in self.log.of(kind) if begin <= one.time <= end]
+
+    def _columns(self, name: str) -> Array:
+        return np.array([getattr(one, name) for one in self.samples], dtype=float)
+
+    def _at(self, when: Any, values: Any) -> Array:
+        """What was measured at some times, straight between those that are known: by cycle, point and column."""
+        table, when = np.array(values, dtype=float).reshape(len(when), -1), np.array(when)
+        columns: list[Array] = []
+        for one in table.T:
+            known = np.isfinite(one)
+            columns.append(np.interp(self.grid, when[known], one[known]) if known.any() else self.grid * np.nan)
+        return np.stack(columns, axis=-1)
+
+    def _modelled(self, plant: Plant[Any]) -> tuple[Array, ...]:
+        """Time, joint angles, place, heading, and angle of the markers' link by the model; () if that fails."""
+        first, ticks = self.estimates[0], [one.time for one in self.references]
+        x, y = first.center_of_mass.tolist()
+        state = plant.init(Start(center_of_mass=(x, y), heading=first.heading), Command(gait=STILL))
+        rows: list[tuple[Any, ...]] = []
+        for sent, then in zip(self.references[:-1], ticks[1:], strict=True):
+            angle = sent.angle[self.driven].tolist()
+            command = Command(gait=STILL, references=tuple(angle), enabled=(True,) * len(angle))
+            state, found, failure = plant.march(state, command, then - sent.time, then - sent.time)
+            if failure is not None:
+                return ()
+            joints = np.append(found.joint_angle[-1], found.signals.get("fin_angle_0", np.empty((1, 0)))[-1])
+            rows.append((joints, found.center_of_mass[-1, :2], found.heading[-1], found.link_angle[-1, self.link]))
+        return np.array(ticks[1:]), *(np.array(one) for one in zip(*rows, strict=True))
+
+    def _before(self) -> Iterator[tuple[str, Found]]:
+        """The modules' zeros; the straight robot's drift; how far the cameras' clock is, and goes, from ours."""
+        if self.estimates:
+            age = float(np.median([one.age for one in self.estimates]))
+            yield "pose_age", ([self.estimates[-1].time], np.array([age]), "")
+        events: list[Event] = self.log.of(Event)
+        unset = [float(one.data.get("without_zero", 0)) for one in events if one.kind == "calibrating"]
+        yield "without_zero", ([self.begin], np.array(unset[-1:]), "")
+        still = [one for one in self._within(Estimate, self.begin - BEFORE, self.begin) if one.age < GAP]
+        if len(still) > 1 and still[-1].time - still[0].time > 0.5 * BEFORE:
+            place = np.array([one.center_of_mass[:2] for one in still])
+            drift = np.polyfit([one.time - self.begin for one in still], place, 1)[0]
+            yield "water_speed", ([self.begin], np.array([math.hypot(*drift)]), "")
+        clocks = [
+            (one.time, one.data["clock"]) for one in events if one.kind in ("start", "stop") and "clock" in one.data
+        ]
+        if len(clocks) == 2:
+            (begin, before), (end, after) = clocks
+            drift = max(abs(after - before) - LATENCY, 0.0) / max(end - begin, 1.0)
+            yield "clock_drift", ([end], np.array([drift]), "")
+
+    def _joints(self) -> Iterator[tuple[str, Found]]:
+        """Every joint over every cycle, how far it is from the way between reference and servo; and its jumps."""
+        ticks = self._columns("time")
+        measured = self._at(ticks, self._columns("angle"))[..., self.driven]
+        held = np.searchsorted([one.time for one in self.references], self.grid, side="right") - 1
+        asked = np.array([one.angle for one in self.references])[:, self.driven][np.maximum(held, 0)]
+        error, lag = measured - asked, -0.5 * (asked - asked.mean(axis=1, keepdims=True))
+        lag = self._at(self.model[0], self.model[1]) - asked if self.model else lag
+        share = np.sum(error * lag, axis=1) / np.maximum(np.sum(lag * lag, axis=1), 1e-12)
+        off = np.sqrt(np.mean((error - np.clip(share, 0.0, 1.0)[:, np.newaxis] * lag) ** 2, axis=1))
+        yield "joint_error", (self.ends, off.max(axis=1), f"module {self.driven[int(off.max(axis=0).argmax())] + 1}")
+        if all(one.rate is not None for one in self.samples):
+            rate, step = self._columns("rate"), np.diff(ticks)[:, np.newaxis]
+            went = np.diff(self._columns("angle"), axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
+            jump = np.nan_to_num(np.where(step < GAP, np.abs(went), 0.0))
+            yield "angle_jump", (ticks[1:], jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
+
+    def _motion(self) -> Iterator[tuple[str, Found]]:
+        """What the cameras see beside the model: the markers, and speed, sideslip and turning, which may not change."""
+        ticks = [one.time for one in self.estimates]
+        seen = self.seen
+        time, yaw = np.array([one.time for one in seen]), np.unwrap([self.mount.link_yaw(one.rotation) for one in seen])
+        bend = [one.heading - one.link_angle[self.link] for one in self.estimates]
+        off = np.asarray(yaw + np.interp(time, ticks, bend) - np.interp(time, self.model[0], self.model[3]), float)
+        off[(time < self.begin) | (time > self.model[0][-1])] = np.nan
+        middle = np.median(np.lib.stride_tricks.sliding_window_view(off, FRAMES), axis=1)
+        last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
+        yield "marker_jump", (last, np.where(lasts < GAP, np.abs(middle[FRAMES:] - middle[:-FRAMES]), np.nan), "")
+
+        heading = self._at(ticks, np.unwrap([one.heading for one in self.estimates]))[..., 0]
+        center = self._at(ticks, [one.center_of_mass for one in self.estimates])
+        model_center, model_heading, swing = (self._at(self.model[0], one) for one in self.model[2:])
+        off, whole = (_size(one[..., 0]) for one in (self._at(time, yaw) - swing, swing))
+        yield "swing_error", (self.ends, off / np.maximum(whole, math.radians(1.0)), "")
+        (ahead, aside), (usual_ahead, usual_aside) = _step(center, heading), _step(model_center, model_heading[..., 0])
+        usual = max(float(np.median(np.abs(usual_ahead))), LEAST)
+        speed = ahead / np.maximum(usual_ahead, 0.2 * usual)
+        yield "speed_change", (self.ends[1:], _spread(speed), "")
+        yield "sideslip_change", (self.ends[1:], _spread((aside - usual_aside) / usual), "")
+        yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
+        turned = np.diff(heading[:, [0, -1]] - model_heading[:, [0, -1], 0], axis=1)[1:, 0]
+        if turned.size >= TURNS:
+            mean = np.lib.stride_tricks.sliding_window_view(turned, TURNS).mean(axis=1)
+            yield "turn_change", (self.ends[TURNS:], _spread(mean), "")
+
+
+def _size(values: Array) -> Array:
+    """Root mean square of every cycle, without its mean and slope."""
+    place = np.linspace(-1.0, 1.0, values.shape[1])
+    line = np.polynomial.polynomial.polyval(place, np.polynomial.polynomial.polyfit(place, values.T, 1))
+    return np.sqrt(np.mean((values - line) ** 2, axis=1))
+
+
+def _step(center: Array, heading: Array) -> tuple[Array, Array]:
+    """How far every cycle but the first goes, along its mean heading and to the left of it [m]."""
+    gone = (center[:, -1] - center[:, 0]) @ np.array([1.0, 1.0j]) * np.exp(-1.0j * heading.mean(axis=1))
+    return gone.real[1:], gone.imag[1:]
+
+
+def _spread(values: Array) -> Array:
+    """By how much a series has changed up to each moment."""
+    return np.maximum.accumulate(values) - np.minimum.accumulate(values)

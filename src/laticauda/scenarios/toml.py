@@ -1,0 +1,277 @@
+"""Scenarios as TOML files that people write, in names where names will do, and with every number, as trials keep them.
+
+    kind = "scenario"
+    robot = "mamba"              # a preset or a file, or a table; `n_links` beside it
+    water = "paper-lateral"      # likewise; or `ground`, or `parameters`; left out: the textbook's or Mamba's
+    duration = 20.0
+
+    [gait]                       # or [controller]
+    amplitude_deg = 30
+    frequency_deg_s = 130
+    phase_shift_deg = 40
+    recorded = "angles.csv"      # or a table of `time` and `angle_deg`; the numbers above may be left out then
+
+    [model]
+    kind = "spatial"
+    joints = "servo"
+
+A water or ground may be a table that changes a few numbers of another one: ``extends = "paper-eel"``.
+
+What a text names and nobody here defines, a law or a controller, is kept as a stand-in: the trial of it loads, and only
+running it again is refused. Nothing that a text names is imported. Experiments are texts in the same way.
+"""
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from laticauda import codec, extensions, files, gaits, quantities, robot
+from laticauda.errors import RobotFileError
+from laticauda.fluid.gridded import Grid
+from laticauda.interfaces import Controller
+from laticauda.scenarios import building
+from laticauda.scenarios.scenario import Experiment, Scenario
+
+NAMES = ("robot", "n_links", "water", "ground", "parameters")
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """The scenario in a file.
+
+    Args:
+        path: Of the TOML file; paths in it are relative to its folder.
+
+    Raises:
+        RobotFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the rule
+            and the value.
+    """
+    with codec.keys_of(path, RobotFileError):
+        return scenario_from_table(files.read_toml(path, RobotFileError), Path(path).parent)
+
+
+def save_scenario(scenario: Scenario, path: str | Path) -> None:
+    """Write a scenario with all its numbers, for `load_scenario`.
+
+    Args:
+        scenario: What to write.
+        path: Of the TOML file; one that is there is replaced.
+
+    Raises:
+        StorageFailed: If it cannot be written.
+    """
+    files.write(path, run_to_toml(scenario))
+
+
+def scenario_from_table(table: codec.Table, folder: Path | None = None) -> Scenario:
+    """The scenario that a table of a file or a message says.
+
+    Args:
+        table: As a TOML or JSON reader gives it.
+        folder: Where relative paths in it start; None for the working directory.
+
+    Raises:
+        BadKey: If a key is unknown, missing or out of range.
+    """
+    table = dict(table)
+    if isinstance(table.get("gait"), Mapping) and "recorded" in table["gait"]:
+        table["gait"] = _with_recorded(table["gait"], folder)
+    motion = motion_of(table)
+    gait = motion if isinstance(motion, gaits.Gait) else motion.gait
+    has_parameters = "parameters" in table
+    chosen = take_chosen(table, gait, folder)
+    table.setdefault("robot", chosen.robot)
+    places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
+    if len(places) > 1:
+        raise codec.BadKey(places[1], f"must not be given beside `{places[0]}`")
+    where = {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
+    if where is not None and "current" in where:
+        where["current"] = robot.current_of(where["current"], folder)
+    table.setdefault("environment", chosen.environment if where is None else where)
+    for name in NAMES[1:]:
+        table.pop(name, None)
+    model: Any = table.get("model", {})
+    model = {"kind": model} if isinstance(model, str) else dict(model)
+    if has_parameters:
+        model.setdefault("joints", chosen.model.joints)
+    table["model"] = {"kind": "planar", **model}
+    found = run_from_table(table)
+    if not isinstance(found, Scenario):
+        raise codec.BadKey("kind", 'must be "scenario" here')
+    return found
+
+
+def take_chosen(table: codec.Table, gait: gaits.Gait, folder: Path | None) -> building.Chosen:
+    """Take from a table what it says in `NAMES`, and say what that stands for.
+
+    Args:
+        table: Of a file; tables in it in the place of names are left there, that of a robot as the robot.
+        gait: It decides on the water, if none is named.
+        folder: Where files that it names are looked for first, before the working directory.
+
+    Raises:
+        BadKey: If a name is not known, or names do not go together.
+    """
+    named = {name: table.pop(name) for name in NAMES if name in table and not isinstance(table[name], Mapping)}
+    for name, one in named.items():
+        if isinstance(one, str) and one.endswith(".toml") and folder is not None and (folder / one).is_file():
+            named[name] = str(folder / one)
+    with codec.arguments_of(""):
+        if "robot" in table:
+            table["robot"] = described(table["robot"])
+        own: robot.Robot | None = table.get("robot")
+        return building.Choice(**named).resolved(gait, lambda name, n: own or robot.load_robot(name, n))
+
+
+def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
+    """The table of a gait whose joint angles are in a file, or beside it; what it leaves out is the recording's."""
+    given = table["recorded"]
+    if isinstance(given, str):
+        with codec.arguments_of("gait.recorded"):
+            angles = robot.load_joint_angles(given, folder)
+    else:
+        angles = codec.decode(gaits.JointAngles, given, "gait.recorded")
+    usual = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
+    left = {name: one for name, one in usual.items() if not any(key.startswith(name + "_deg") for key in table)}
+    return {**left, **table, "recorded": angles}
+
+
+KINDS: dict[str, type[Scenario] | type[Experiment]] = {"scenario": Scenario, "experiment": Experiment}
+
+
+def run_to_toml(run: Scenario | Experiment) -> str:
+    """A scenario or experiment as a text, from which `run_from_toml` makes an equal one.
+
+    A function in it, a law that is no class for instance, cannot be stored: its name is, and a warning says so.
+
+    Args:
+        run: The scenario or experiment.
+    """
+    import tomli_w
+
+    table = codec.stamped(extensions.name_of(type(run)), {})
+    for field in fields(run):
+        value, hint = getattr(run, field.name), quantities.hints_of(type(run))[field.name]
+        if isinstance(value, robot.Robot | robot.Water | robot.Ground):
+            table[field.name] = codec.stamped(extensions.name_of(type(value)), codec.encode(value))
+        elif field.name == "motion" and isinstance(value, Controller):
+            table["controller"] = _stored(cast("Controller[Any]", value))
+        elif value is not None:
+            table["gait" if field.name == "motion" else field.name] = codec.encode(value, hint)
+    return tomli_w.dumps(_without_functions(table, ""))
+
+
+def run_from_toml(text: str) -> Scenario | Experiment:
+    """The scenario or experiment that `run_to_toml` made a text of.
+
+    Args:
+        text: The TOML text.
+
+    Raises:
+        BadKey: If a key is unknown, missing or out of range.
+        RobotFileError: If robot or environment is wrong, or it is no TOML, or nested too deeply.
+    """
+    return run_from_table(files.parse_toml(text, "scenario", RobotFileError))
+
+
+def run_from_table(table: codec.Table) -> Scenario | Experiment:
+    """The same from what the text holds.
+
+    Args:
+        table: As a TOML reader gives it.
+    """
+    table = dict(table)
+    kind = KINDS[codec.take_kind(table, *KINDS)]
+    hints = quantities.hints_of(kind)
+    motion = {"gait", "controller"} if kind is Scenario else set[str]()
+    codec.check_keys(table, [*(name for name in hints if name != "motion"), *motion])
+    for name in ("robot", "environment"):
+        if name not in table:
+            raise codec.BadKey(name, f"is missing; every {kind.__name__} needs it")
+    with codec.keeping_unknown(), codec.arguments_of(""):
+        values: codec.Table = {"motion": motion_of(table)} if motion else {}
+        for name, given in table.items():
+            if name in ("robot", "environment"):
+                values[name] = described(given)
+            elif name not in motion:
+                values[name] = codec.decode(hints[name], given, name, kind.__dataclass_fields__[name].default)
+        return kind(**values)
+
+
+def unknown_in(run: Scenario) -> Iterator[extensions.Unknown]:
+    """What a scenario names and nobody here defines.
+
+    Args:
+        run: The scenario.
+    """
+    yield from _unknown((run.motion, run.environment, run.model))
+
+
+def _unknown(values: tuple[Any, ...]) -> Iterator[extensions.Unknown]:
+    for value in values:
+        if isinstance(value, extensions.Unknown):
+            yield value
+        elif is_dataclass(value):
+            yield from _unknown(tuple(vars(value).values()))
+
+
+def _stored(controller: Controller[Any]) -> Any:
+    if is_dataclass(controller) or isinstance(controller, extensions.Unknown):
+        return codec.encode(controller, Controller)
+    return {"kind": extensions.name_of(type(controller)), "gait": codec.encode(cast(Any, controller).gait)}
+
+
+def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
+    """The gait or the controller that a table says; a controller that nobody here defines is kept with its gait.
+
+    Args:
+        table: Of a scenario.
+
+    Raises:
+        BadKey: If there is none, or it is wrong.
+    """
+    if ("gait" in table) == ("controller" in table):
+        raise codec.BadKey("gait", "must be given, or `controller`, and not both")
+    if "gait" in table:
+        return codec.decode(gaits.Gait, table["gait"], "gait")
+    with codec.keeping_unknown():
+        controller: Any = codec.decode(cast(Any, Controller), table["controller"], "controller")
+    if isinstance(controller, extensions.Unknown):
+        vars(controller)["gait"] = codec.decode(gaits.Gait, controller.table.get("gait"), "controller.gait")
+    return cast("Controller[Any]", controller)
+
+
+def described(given: Any) -> Any:
+    """The robot, water or ground that a table says; anything else as it is.
+
+    Args:
+        given: The table, with its kind.
+
+    Raises:
+        ValueError: If anything in it is wrong.
+    """
+    import tomli_w
+
+    if is_dataclass(given):
+        return given
+    try:
+        return robot.from_toml(tomli_w.dumps(given))
+    except RobotFileError as error:
+        raise ValueError(str(error).removeprefix("<text>: ")) from error
+
+
+def _without_functions(table: Mapping[str, Any], at: str) -> codec.Table:
+    """The table with names in the place of functions, and kinds that nobody has where one stood."""
+    found: codec.Table = {}
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
+        elif callable(value) or isinstance(value, Grid):
+            called = f"function {getattr(value, '__name__', value)}" if callable(value) else "Dataset in memory"
+            text = f"`{at}{name}` is a {called}, which cannot be stored, nor the run done again."
+            warnings.warn(f"{text} A law that is a class can, and a file.", stacklevel=2)
+            return {"kind": called}
+        elif value is not None:
+            found[name] = value
+    return found

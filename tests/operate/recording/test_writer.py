@@ -1,0 +1,94 @@
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+import laticauda as lc
+from laticauda.errors import StorageFailed
+from laticauda.estimation import KinematicEstimator
+from laticauda.operate import Event, Header, PowerReading, read_operation
+from laticauda.operate.recording.writer import Writer
+from laticauda.scenarios import Experiment
+
+ROBOT = lc.load_robot("mamba")
+GAIT = lc.lateral_undulation(amplitude=0.3, frequency=2.0, phase_shift=0.7)
+HEADER = Header(
+    run=Experiment(robot=ROBOT, gait=GAIT, environment=lc.load_water("paper-lateral"), notes={"rate": 50.0}),
+    estimator=KinematicEstimator(robot=ROBOT),
+)
+
+
+def readings(n: int) -> list[PowerReading]:
+    return [PowerReading(time=0.01 * k, current=1.0 + 0.001 * k) for k in range(n)]
+
+
+def test_what_is_kept_is_in_the_file_once_it_is_closed(tmp_path: Path):
+    found = readings(2000)
+    with Writer(tmp_path / "a.mcap", HEADER) as writer:
+        for reading in found:
+            writer.keep(reading.time, (reading,))
+        assert not writer.trouble
+    assert read_operation(tmp_path / "a.mcap").of(PowerReading) == found
+
+
+def test_a_file_that_is_there_is_refused_at_the_start(tmp_path: Path):
+    (tmp_path / "a.mcap").write_bytes(b"somebody's")
+    with pytest.raises(StorageFailed, match=r"a\.mcap"):
+        Writer(tmp_path / "a.mcap", HEADER)
+    assert (tmp_path / "a.mcap").read_bytes() == b"somebody's"
+
+
+def test_what_cannot_be_written_is_said_and_the_loop_goes_on(tmp_path: Path):
+    with Writer(tmp_path / "a.mcap", HEADER) as writer:
+        writer.keep(0.0, [None])  # type: ignore[list-item]
+        end = time.monotonic() + 20.0
+        while not writer.trouble and time.monotonic() < end:
+            time.sleep(0.01)
+        assert writer.trouble
+        writer.keep(0.1, readings(1))
+
+
+def test_a_writer_that_was_killed_is_said_and_the_loop_goes_on(tmp_path: Path):
+    with Writer(tmp_path / "a.mcap", HEADER) as writer:
+        os.kill(writer._process.pid, signal.SIGKILL)
+        writer._process.wait()
+        writer.keep(0.0, readings(1))
+        assert writer.trouble == "the program that writes the recording has ended"
+        writer.keep(0.1, readings(1))
+
+
+def test_a_disk_that_stalls_does_not_hold_the_loop_up(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr("laticauda.operate.recording.writer.MOST_WAITING", 1 << 20)
+    event = Event(time=0.0, kind="operator", message="x" * 1000)
+    with Writer(tmp_path / "a.mcap", HEADER) as writer:
+        os.kill(writer._process.pid, signal.SIGSTOP)
+        for k in range(2000):
+            writer.keep(0.01 * k, (event,))
+        assert writer.trouble == "the disk does not keep up with the recording"
+        os.kill(writer._process.pid, signal.SIGCONT)
+    assert len(read_operation(tmp_path / "a.mcap").of(Event)) > 900
+
+
+def test_what_was_handed_over_before_the_loop_was_killed_is_in_the_file(tmp_path: Path):
+    code = f"""
+        import os, pathlib, signal, sys
+        sys.path.insert(0, {str(Path(__file__).parent)!r})
+        from test_writer import HEADER, Writer, readings
+        writer = Writer(pathlib.Path({str(tmp_path / "a.mcap")!r}), HEADER)
+        for reading in readings(300):
+            writer.keep(reading.time, (reading,))
+        os.kill(os.getpid(), signal.SIGKILL)
+    """
+    assert subprocess.run([sys.executable, "-c", textwrap.dedent(code)]).returncode == -signal.SIGKILL
+    end = time.monotonic() + 20.0
+    while time.monotonic() < end:
+        log = read_operation(tmp_path / "a.mcap")
+        if not log.lost:
+            break
+        time.sleep(0.05)
+    assert log.of(PowerReading) == readings(300)
