@@ -10,6 +10,7 @@ from laticauda.estimation import Estimate, JointSample, KinematicEstimator, Pose
 from laticauda.kinematics import turn
 from laticauda.operate import Event, Header, OperationLog, spoken, verdict_of
 from laticauda.operate.settings import Acceptance
+from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Experiment
 
 ROBOT, WATER = lc.load_robot("mamba"), lc.load_water("paper-lateral")
@@ -173,3 +174,56 @@ def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that
     said = {"accepted": False, "checks": [], "lines": ["WRONG"]}
     told = Event(time=99.0, kind="verdict", message="", data=said)
     assert spoken(replace(log, entries=(*log.entries, told)), lc.plant) == said
+
+
+class Diverging(PlanarPlant):
+    """A plant that diverges after 3 s."""
+
+    def march(self, state, command, duration, sample_interval, *, link_forces=False):
+        then, log, trouble = super().march(state, command, duration, sample_interval)
+        return then, log, "diverged" if log.time[-1] > 3.0 else trouble
+
+
+def words(found) -> dict[str, str]:
+    return {name: one.word for name, one in found.items()}
+
+
+NEEDS_A_MODEL = {"swing_error", "marker_jump", "speed_change", "sideslip_change", "model_speed", "turn_change"}
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [
+        None,
+        Diverging(robot=PLANT.robot, environment=PLANT.environment, settings=PLANT.settings),
+        lc.plant(lc.load_robot("mamba-modules").planar(), WATER, joints="servo"),  # another number of joints
+    ],
+)
+def test_without_a_model_that_fits_what_needs_one_is_not_checked(truth, plant):
+    found = words(judged(log_of(truth), plant=plant))
+    assert {name for name, word in found.items() if word == "not checked"} == NEEDS_A_MODEL
+    assert found["angle_jump"] == "ok"
+
+
+def without(log: OperationLog, *kinds: type) -> OperationLog:
+    return replace(log, entries=tuple(one for one in log.entries if not isinstance(one, kinds)))
+
+
+def test_what_was_not_recorded_is_not_checked(truth):
+    log = log_of(truth)
+    bare = judged(without(log, Estimate))
+    assert {name for name, one in bare.items() if one.word != "not checked"} == {"without_zero", "clock_drift"}
+    unseen = words(judged(without(log, PoseSample)))
+    assert {name for name, word in unseen.items() if word == "not checked"} == NEEDS_A_MODEL
+    begun = replace(log, entries=tuple(one for one in log.entries if one.time >= BEFORE))
+    assert words(judged(begun))["water_speed"] == "not checked"
+    no_rates = [replace(one, rate=None) if isinstance(one, JointSample) else one for one in log.entries]
+    found = words(judged(replace(log, entries=tuple(no_rates))))
+    assert [name for name, word in found.items() if word != "ok"] == ["angle_jump"]
+
+
+def test_a_run_of_few_cycles_is_checked_but_for_its_turning(truth):
+    log = log_of(truth)
+    short = tuple(one for one in log.entries if one.time < BEFORE + 4 * 3.0 + 0.1)
+    found = words(judged(replace(log, entries=(*short, Event(time=BEFORE + 12.1, kind="stop", message="")))))
+    assert [name for name, word in found.items() if word == "not checked"] == ["turn_change", "clock_drift"]

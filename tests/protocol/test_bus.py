@@ -1,3 +1,4 @@
+import gc
 import re
 import socket
 import subprocess
@@ -16,7 +17,7 @@ from laticauda.protocol import (
     open_bus,
     to_frame,
 )
-from laticauda.protocol.can import LAYOUTS
+from laticauda.protocol.can import LAYOUTS, _local_socket
 from laticauda.protocol.messages import PER_FRAME
 
 
@@ -48,6 +49,8 @@ def test_an_address_is_read_and_shown(text, shown):
     [
         ("usb", "`interface` must be one of `virtual`, `udp_multicast`, `socketcan`, got 'usb'"),
         ("udp_multicast:127.0.0.1", "`channel` must be an IPv4 multicast group such as 239.74.163.2, got '127.0.0.1'."),
+        ("udp_multicast:tank", "`channel` must be an IPv4 multicast group such as 239.74.163.2, got 'tank'."),
+        ("udp_multicast:ff02::1", "`port` must be a whole number, got ':1'."),
         ("udp_multicast:239.1.2.3:x", "`port` must be a whole number, got 'x'."),
         ("udp_multicast:239.1.2.3:0", "`port` must be a whole number >= 1, got 0."),
     ],
@@ -147,6 +150,22 @@ def test_where_loopback_cannot_be_joined_there_is_no_bus(monkeypatch):
     monkeypatch.setattr(plain.GeneralPurposeUdpMulticastBus, "send", refused)
     with pytest.raises(BusFailed, match=r"The CAN bus udp_multicast:239.74.163.2:43113 cannot be opened: "):
         open_bus(bus_address("udp_multicast"))
+
+
+@pytest.mark.parametrize("system", ["linux", "darwin"])
+def test_a_system_without_all_options_has_a_bus_within_the_computer_too(monkeypatch, system):
+    monkeypatch.delattr(socket, "SO_REUSEPORT", raising=False)
+    monkeypatch.setattr(sys, "platform", system)
+    address = bus_address("udp_multicast:239.74.163.99:43194")
+    with open_bus(address) as one, open_bus(address) as other:
+        one.send(to_frame(Sync(counter=5)))
+        assert from_frame(other.recv(1.0)) == Sync(counter=5)
+
+
+def test_a_group_that_cannot_be_joined_leaves_no_socket_open():
+    with pytest.raises(OSError, match=r"Cannot assign requested address|Invalid argument"):
+        _local_socket("203.0.113.9", 43193)
+    gc.collect()  # an open one would be warned of, and warnings are errors
 
 
 def frame_bits(n_bytes):

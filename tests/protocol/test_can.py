@@ -24,6 +24,7 @@ from laticauda.protocol import (
     decode,
     encode,
     from_frame,
+    from_node,
     references,
     to_frame,
 )
@@ -115,11 +116,32 @@ def test_numbers_beyond_the_range_saturate():
     message = decode(*encode(JointState(node=1, angle=100.0, rate=-100.0, current=0.0, torque=0.0)))
     assert isinstance(message, JointState)
     assert (message.angle, message.rate) == (pytest.approx(3.2767), pytest.approx(-32.767))
+    message = decode(*encode(JointState(node=1, angle=1e308, rate=-1e308, current=0.0, torque=0.0)))
+    assert (message.angle, message.rate) == (pytest.approx(3.2767), pytest.approx(-32.767))
 
 
-def test_no_frame_says_nan():
-    with pytest.raises(ValueError, match=r"`Angle1` must be a finite number, got nan\."):
-        encode(References(group=0, angles=(math.nan, 0.0, 0.0, 0.0)))
+def test_a_force_beyond_its_range_is_the_greatest_and_not_unknown():
+    message = decode(*encode(Loads(node=1, force=(-400.0, 400.0, -327.68), torque=0.0)))
+    assert message.force == pytest.approx((-327.67, 327.67, -327.67))
+
+
+@pytest.mark.parametrize("data", ["63" + 7 * "00", "06" + 7 * "00"])
+def test_a_state_that_there_is_not_makes_a_frame_none_of_ours(data):
+    found = decode(0x701, bytes.fromhex(data))
+    assert (found is None) == data.startswith("63")
+
+
+def test_answers_and_heartbeats_come_from_a_node_and_all_else_does_not():
+    sent = encode(Sync(counter=1)), encode(EmergencyStop()), encode(NodeCommand(order=Order.ENABLE))
+    assert not any(from_node(identifier) for identifier, _ in sent)
+    assert from_node(encode(JointState(node=1, angle=0.0, rate=0.0, current=0.0, torque=0.0))[0])
+    assert from_node(encode(Heartbeat(node=19, state=NodeState.READY))[0])
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_no_frame_says_nan_nor_infinity(value):
+    with pytest.raises(ValueError, match=rf"`Angle2` must be a finite number, got {value}\."):
+        encode(References(group=0, angles=(0.0, value, 0.0, 0.0)))
 
 
 def test_there_are_19_nodes():

@@ -55,3 +55,38 @@ def test_what_is_no_direct_current_is_refused():
         decode_displayed(displayed_text(MeterReading(live=9.99999999e37)))
     with pytest.raises(ProtocolError, match="must show a direct current"):
         decode_displayed("V_DC,NONE,AUTO,VDC,5,0,OFF,0.000,0,1,LIVE,1.0E0,VDC,0,4,5,NORMAL,NONE,0.0")
+
+
+def answer(**words: str) -> str:
+    """What the meter displays of 1 A, with other words at some places."""
+    sound = displayed_text(MeterReading(live=1.0), 5.0).split(",")
+    return ",".join(words.get(f"at_{i}", word) for i, word in enumerate(sound))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (answer(), ""),
+        (answer(at_7="soon"), "the meter's answer to QDDA makes no sense: 'A_DC,"),
+        (answer(at_8="-1"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
+        (answer(at_9="2"), "the meter's answer to QDDA is cut short: 'A_DC,"),
+        (answer(at_11="much"), "the meter's reading must be a number, got 'much'"),
+        (answer(at_11="-1E38"), "the meter is overloaded, it reads '-1E38'"),
+        (answer(at_11="nan"), "the meter is overloaded, it reads 'nan'"),
+        (answer(at_10="PEAK"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
+        (answer(at_16="INVALID"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
+    ],
+)
+def test_an_answer_is_a_reading_or_it_is_said_what_is_wrong_with_it(text, says):
+    if not says:
+        assert decode_displayed(text) == MeterReading(live=1.0)
+    else:
+        with pytest.raises(ProtocolError) as error:
+            decode_displayed(text)
+        assert str(error.value).startswith(says)
+
+
+def test_an_answer_begins_with_how_it_went_and_may_have_a_line_of_data():
+    assert meter.encode_answer() == b"0\r"
+    assert meter.encode_answer("1,2") == b"0\r1,2\r"
+    assert meter.encode_answer(acknowledgment=meter.Acknowledgment.NO_DATA) == b"5\r"

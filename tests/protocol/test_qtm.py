@@ -1,5 +1,6 @@
 import math
 import struct
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -9,14 +10,17 @@ from qtm_rt import QRTPacket
 from laticauda.protocol import BodyPose, MocapFrame, ProtocolError
 from laticauda.protocol.qtm import (
     Component,
+    Event,
     PacketReader,
     PacketType,
     body_pose,
     decode_text,
+    encode_event,
     encode_frame,
     encode_packet,
     encode_text,
     euler_angles,
+    parameters,
 )
 
 METERS = st.floats(-50, 50, width=32)
@@ -101,3 +105,26 @@ def test_impossible_sizes_are_said():
     with pytest.raises(ProtocolError, match="a packet says that it has 4 bytes"):
         list(PacketReader().feed(struct.pack("<II", 4, 1)))
     assert list(PacketReader().feed(encode_packet(PacketType.NO_MORE_DATA, b""))) == [(4, b"")]
+
+
+def test_an_event_is_one_byte():
+    assert list(PacketReader().feed(encode_event(Event.SHUTTING_DOWN))) == [(PacketType.EVENT, b"\x0b")]
+
+
+def test_what_a_client_asks_for_is_answered_and_nothing_else():
+    bodies = {"fish & fin": [(0.01, -0.02, 0.0)], "other": []}
+    root = ElementTree.fromstring(parameters(100.0, bodies))
+    assert root.tag == "QTM_Parameters_Ver_1.25"
+    assert root.findtext("General/Frequency") == "100"
+    assert [body.findtext("Name") for body in root.findall("The_6D/Body")] == ["fish & fin", "other"]
+    (point,) = root.findall("The_6D/Body/Points/Point")
+    assert [point.get(axis) for axis in "XYZ"] == ["10.000", "-20.000", "0.000"]  # mm
+    assert [one.tag for one in ElementTree.fromstring(parameters(None, bodies))] == ["The_6D"]
+    assert [one.tag for one in ElementTree.fromstring(parameters(50.0, {}))] == ["General"]
+
+
+def test_a_body_has_no_residual_where_none_was_asked_for():
+    pose = body_pose((1000.0, 0.0, -500.0, *np.eye(3).ravel().tolist()))
+    assert pose.position.tolist() == [1.0, 0.0, -0.5]
+    assert math.isnan(pose.residual)
+    assert body_pose((math.nan, *[0.0] * 11)) is None

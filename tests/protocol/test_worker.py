@@ -2,10 +2,12 @@ import gc
 import os
 import sys
 import threading
+import time
 
 import pytest
 
-from laticauda.protocol.worker import DEVICES, LOOP, Clock, Worker, urgent
+from laticauda.errors import LaticaudaError, MissingExtra
+from laticauda.protocol.worker import DEVICES, LOOP, MOST_WAITING, Clock, Worker, hardware, urgent
 
 
 class Idle(Worker[int]):
@@ -15,6 +17,86 @@ class Idle(Worker[int]):
 
     def work(self) -> None:
         self._ended.wait(0.05)
+
+
+class Counting(Worker[int]):
+    """Finds 0, 1, 2 and so on; in between, `faults` happen."""
+
+    def __init__(self, *faults: Exception) -> None:
+        super().__init__("counting")
+        self.faults, self.n, self.n_released = list(faults), 0, 0
+        self._start()
+
+    def work(self) -> None:
+        if self.faults:
+            raise self.faults.pop(0)
+        self._found.append(self.n)
+        self.n += 1
+        self._ended.wait(0.001)
+
+    def release(self) -> None:
+        self.n_released += 1
+
+
+def until(holds) -> None:
+    end = time.monotonic() + 10.0
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def test_what_is_found_is_received_once_in_its_order_and_the_device_is_given_back_once():
+    with Counting() as worker:
+        until(lambda: worker.n > 5)
+        first = worker.receive()
+        until(lambda: worker.n > len(first) + 2)
+        second = worker.receive()
+    worker.close()
+    assert worker.n_released == 1 and not worker._thread.is_alive()
+    assert (*first, *second) == tuple(range(len(first) + len(second)))
+    assert worker._found.maxlen == MOST_WAITING
+
+
+@pytest.mark.parametrize(
+    ("fault", "says"),
+    [
+        (LaticaudaError("The cable is out."), "The cable is out."),
+        (ValueError("it is 3"), "ValueError: it is 3"),
+        (ZeroDivisionError(), "ZeroDivisionError"),
+    ],
+)
+def test_an_error_becomes_a_sentence_and_the_thread_tries_again(monkeypatch, fault, says):
+    monkeypatch.setattr("laticauda.protocol.worker.RETRY", 0.05)
+    with Counting(fault) as worker:
+        until(lambda: worker.trouble)
+        assert worker.trouble == says
+        until(lambda: worker.n > 0 and not worker.trouble)
+
+
+def test_a_worker_without_work_says_so_and_one_that_never_began_is_closed():
+    idle = Worker("nothing")
+    with pytest.raises(NotImplementedError):
+        idle.work()
+    idle.close()
+    assert idle.trouble == "" and idle.receive() == ()
+
+
+def test_a_library_that_is_not_installed_is_named_with_its_extra():
+    with pytest.raises(
+        MissingExtra, match=r"Operating a robot needs nosuch; run `pip install \"laticauda\[hardware\]\"`"
+    ):
+        hardware("nosuch", "nosuch_module")
+    assert hardware("msgpack", "msgpack").packb(1) == b"\x01"
+
+
+def test_a_clock_goes_at_its_speed_and_waits_for_what_is_to_come_only():
+    clock = Clock(speed=50.0)
+    clock.wait_until(-1.0)
+    begin = clock.now()
+    clock.wait_until(begin + 1.0)
+    assert clock.now() >= begin + 1.0
+    with pytest.raises(ValueError, match=r"`speed` must be > 0, got 0"):
+        Clock(speed=0.0)
 
 
 def allowed() -> bool:
@@ -60,3 +142,24 @@ def test_within_a_loop_no_garbage_is_collected_and_afterwards_all_is_as_before()
         assert gc.get_freeze_count() > 0
     assert (gc.isenabled(), sys.getswitchinterval(), gc.get_freeze_count()) == (*before, 0)
     assert granted
+
+
+def test_a_program_that_collects_no_garbage_is_left_so():
+    gc.disable()
+    try:
+        with Clock().undisturbed():
+            assert not gc.isenabled()
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_memory_that_cannot_be_kept_in_place_is_said(monkeypatch):
+    class Library:
+        def mlockall(self, flags: int) -> int:
+            return -1
+
+    monkeypatch.setattr("ctypes.CDLL", lambda name: Library())
+    with urgent() as granted:
+        pass
+    assert granted.endswith("and memory that may be swapped out.")

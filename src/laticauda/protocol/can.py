@@ -13,6 +13,7 @@ What a bus delivers is not to be trusted: `decode` gives None for whatever is no
 import contextlib
 import ipaddress
 import itertools
+import math
 import socket
 import sys
 from collections.abc import Iterator, Mapping
@@ -154,12 +155,12 @@ def encode(message: messages.CanMessage) -> tuple[int, bytes]:
         value: Any = getattr(message, field)
         values = (value,) if len(numbers) == 1 else (None,) * len(numbers) if value is None else value
         for one, value in zip(numbers, values, strict=True):
-            try:
-                raw = NOT_AVAILABLE if value is None else round(value / one.scale)
-            except (ValueError, OverflowError):
-                finite(one.name, value)
-                raise
-            whole |= (min(max(raw, one.low), one.high) & (1 << one.signal.bits) - 1) << one.start
+            raw = NOT_AVAILABLE
+            if value is not None:
+                least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest says that nothing is known
+                sound = value if math.isfinite(value) else finite(one.name, value)  # which refuses it
+                raw = round(min(max(sound / one.scale, least), one.high))
+            whole |= (raw & (1 << one.signal.bits) - 1) << one.start
     return layout.identifier + number, whole.to_bytes(layout.length, "little")
 
 

@@ -1,29 +1,33 @@
 """The tables of an operation and the step that keeps to them; that operations do, the rig asserts at every tick."""
 
+import math
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
+import safety_page
 from hypothesis import example, given, strategies as st
 
-from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
+from laticauda.lab import NodeSettings
 from laticauda.operate.safety.supervisor import (
     ACTIONS,
     BY_EVENT,
+    CONFIRM_TIME,
+    HOLD_AFTER,
+    LIMP_AFTER,
     PHASES,
     REQUESTS,
     RULES,
     STATES,
     TRANSITIONS,
+    Rule,
     Supervisor,
     SupervisorState,
+    cause_of,
+    phase_after,
     phase_with,
 )
 from laticauda.operate.settings import Limits
-from laticauda.protocol import Heartbeat, NodeState
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "operate.md"
 STOPPING = [rule.event for rule in RULES if rule.action != "finish"]
 FAULTS = [rule.event for rule in RULES if rule.is_fault]
 TICK = 0.01
@@ -76,20 +80,23 @@ def test_a_stop_of_the_supervisor_stops_the_operation_in_every_phase():
                 assert phase_with(phase, state, stop) == "stopping"
 
 
-def state_diagram():
-    """The table in the language of mermaid."""
-    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
-    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
-        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
-    for row in TRANSITIONS:
-        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
-        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
-    return "\n".join([*lines, "    done_idle --> [*]", ""])
+def test_the_page_of_the_docs_is_the_one_that_the_tables_make():
+    assert safety_page.PAGE.read_text(encoding="utf-8") == safety_page.page()
 
 
-def test_the_diagram_of_the_docs_is_that_of_the_table():
-    page = PAGE.read_text(encoding="utf-8")
-    assert f"```mermaid\n{state_diagram()}```" in page
+def test_the_page_names_the_limits_of_every_event_that_has_some():
+    assert safety_page.limits_of() == {
+        "over_temperature": ["max_temperature"],
+        "over_current": ["max_current", "current_time"],
+        "low_voltage": ["min_voltage"],
+        "joint_error": ["max_joint_error", "joint_error_time"],
+        "lost_heartbeat": ["heartbeat_timeout"],
+        "lost_joints": ["joint_timeout"],
+        "lost_mocap": ["mocap_timeout"],
+        "lost_meter": ["meter_timeout"],
+        "late_loop": ["max_lateness"],
+        "edge": ["edge_margin"],
+    }
 
 
 @given(st.sampled_from(STATES), st.sampled_from(STOPPING), noise, noise)
@@ -225,15 +232,6 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
     assert supervisor.within("emergency_stop") == pytest.approx(1.5)
 
 
-def test_the_table_of_the_docs_is_that_of_the_code():
-    page = PAGE.read_text(encoding="utf-8")
-    words = {"finish": "finish the run", "straighten": "straighten, then limp"}
-    for rule in RULES:
-        action, within = words.get(rule.action, rule.action.replace("_", " ")), f"{supervisor.within(rule.action):g} s"
-        then = f"{within} | {'fault' if rule.is_fault else 'idle'}" if rule.action != "finish" else "- | -"
-        assert f"| `{rule.event}` | {rule.says} | {action} | {then} |" in page
-
-
 def test_an_event_that_is_not_in_the_table_is_refused():
     with pytest.raises(
         ValueError, match=r"`events` must hold events of the table only, got 'leek'; did you mean `leak`"
@@ -243,51 +241,102 @@ def test_an_event_that_is_not_in_the_table_is_refused():
         Supervisor(straighten_time=0.0)
 
 
-WELL = Heartbeat(node=1, state=NodeState.ACTIVE)
+def test_what_is_known_of_modules_and_times_is_what_the_documentation_promises():
+    nodes = NodeSettings()
+    assert (HOLD_AFTER, LIMP_AFTER) == (0.2, 1.2)
+    assert nodes.hold_after == HOLD_AFTER and nodes.limp_after < LIMP_AFTER  # it counts on more than they take
+    assert Supervisor().straighten_time == Limits().straighten_time == 2.0
+    assert [supervisor.within(action) for action in ACTIONS] == [
+        math.inf,
+        math.inf,
+        *map(pytest.approx, (3.5, 1.5, 1.5)),
+    ]
 
 
-def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
-    """Two modules that are asked to be straight, all numbers of which are zero unless `measured` says otherwise."""
-    beats = beats or (WELL, replace(WELL, node=2))
-    numbers = {name: np.array([0.0, measured.get(name, 0.0)]) for name in ("angle", "rate", "current", "torque")}
-    times = np.full(2, now)
-    modules = replace(no_reports(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
-    references = np.zeros(2)
-    return Reports(
-        now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0
+def test_an_event_is_said_in_words_and_one_without_a_rule_by_its_name():
+    assert cause_of("leak") == "a module reports water inside"
+    assert cause_of("ended") == "ended"
+    assert Rule(event="a", says="b", action="limp").is_fault
+
+
+def test_the_operation_goes_from_phase_to_phase_by_the_table():
+    for row in TRANSITIONS:
+        assert phase_after(row.phase, row.event) in {other.next_phase for other in TRANSITIONS if other[:3] == row[:3]}
+    assert phase_after("connecting", "connected") == "checking"
+    assert phase_with("settling", "idle", "ready") == "settling"
+    assert phase_with("countdown", "ready", "running") == "running"
+
+
+def test_references_are_sent_while_the_joints_are_held_or_move_or_are_straightened_and_never_else():
+    for state in STATES:
+        for action in ACTIONS:
+            sends = SupervisorState(state=state, action=action).sends_references
+            assert sends is (state in ("ready", "running") or (state, action) == ("stopping", "straighten"))
+
+
+def course(at: SupervisorState, *ticks: tuple[float, str, bool, bool]) -> list[tuple[str, str, str, str]]:
+    """What is logged over some ticks: time, event or "", whether straight, whether limp."""
+    logged = []
+    for now, event, straight, limp in ticks:
+        at, entries = step(at, now, *([event] if event else []), straight=straight, limp=limp)
+        assert all(entry.time == now for entry in entries)
+        logged += [(entry.event, entry.action, entry.before, entry.after) for entry in entries]
+    return logged
+
+
+def test_every_request_and_every_step_to_a_stop_is_logged_with_what_it_leads_to():
+    assert course(
+        supervisor.init(),
+        (0.0, "checked", False, True),
+        (1.0, "started", True, False),
+        (2.0, "started", True, False),
+        (3.0, "ended", False, False),
+        (4.0, "", True, False),
+        (4.1, "", True, True),
+        (4.2, "", True, True),
+    ) == [
+        ("checked", "none", "idle", "ready"),
+        ("started", "none", "ready", "running"),
+        ("ended", "straighten", "running", "stopping"),
+        ("limp", "limp", "stopping", "stopping"),
+        ("idle", "none", "stopping", "idle"),
+    ]
+
+
+def test_straightening_ends_at_its_time_limp_at_its_time_and_an_emergency_stop_at_its():
+    at = replace(brought_to("stopping"), since=8.0, is_fault=True, cause="lost_mocap")
+    assert step(at, 9.75)[0] == at
+    limp, entries = step(at, 10.0)
+    assert (limp.state, limp.action, limp.since) == ("stopping", "limp", 10.0)
+    assert [entry.event for entry in entries] == ["limp"]
+    assert step(limp, 10.25)[0] == limp
+    stopped, entries = step(limp, 10.0 + CONFIRM_TIME)
+    assert (stopped.state, stopped.action, stopped.is_fault, stopped.cause) == (
+        "fault",
+        "emergency_stop",
+        True,
+        "lost_mocap",
     )
+    assert [(entry.event, entry.action) for entry in entries] == [("fault", "emergency_stop")]
+    assert step(stopped, 99.0)[0] == stopped
+    hit = SupervisorState(state="stopping", action="emergency_stop", cause="leak", is_fault=True)
+    assert step(hit, 1.0)[0] == hit
+    assert step(hit, LIMP_AFTER)[0] == replace(hit, state="fault")
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_stop_that_nobody_confirms_is_a_fault_of_its_own():
+    at, _ = step(replace(brought_to("stopping"), action="limp", cause=""), CONFIRM_TIME)
+    assert (at.state, at.action, at.cause, at.is_fault) == ("fault", "emergency_stop", "not_limp", True)
+
+
 @pytest.mark.parametrize(
-    ("event", "name", "limit", "lasts", "says"),
-    [
-        ("joint_error", "angle", "max_joint_error", "joint_error_time", ("module 2: -57 deg", "module 2: +57 deg")),
-        ("over_current", "current", "max_current", "current_time", ("module 2: 5.0 A", "module 2: -5.0 A")),
-    ],
+    ("event", "action"), [("leak", "emergency_stop"), ("over_current", "limp"), ("lost_mocap", "limp")]
 )
-def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, name, limit, lasts, says, sign):
-    limits = Limits()
-    patience, value = getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
-    assert abs(value) > getattr(limits, limit)
-    state, found = compare(limits, within_limits(2), seen_at(10.0, **{name: sign * value}))
-    assert found == {}
-    held, found = compare(limits, state, seen_at(10.0 + patience, **{name: sign * value}))
-    assert found == {}
-    _, found = compare(limits, held, seen_at(10.1 + patience, **{name: sign * value}))
-    assert found == {event: says[0] if sign > 0 else says[1]}
-    # One moment within the limit, and the time begins anew.
-    back, _ = compare(limits, held, seen_at(10.05 + patience))
-    _, found = compare(limits, back, seen_at(10.1 + patience, **{name: sign * value}))
-    assert found == {}
-
-
-def test_what_a_module_says_of_itself_is_told_before_what_it_does():
-    limits = Limits()
-    beats = (WELL, Heartbeat(node=2, state=NodeState.FAULT, stuck=True))
-    seen = seen_at(10.0, *beats)
-    state, found = compare(limits, replace(within_limits(2), sending=0.0), seen)
-    assert found == {"module_fault": "module 2: stuck"}
-    limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
-    _, found = compare(limits, state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))
-    assert found == {"module_fault": "module 2 does not move: limp"}
+def test_a_robot_that_is_limp_already_is_a_fault_at_once_and_has_nothing_to_straighten(event, action):
+    at, entries = step(supervisor.init(), 3.0, event)
+    assert (at.state, at.action, at.cause, at.is_fault, at.since) == ("fault", action, event, True, 3.0)
+    assert [(entry.before, entry.after) for entry in entries] == [("idle", "fault")]
+    graver, _ = step(at, 4.0, "emergency_key")
+    assert (graver.state, graver.action, graver.cause) == (
+        ("fault", "emergency_stop", "emergency_key") if action == "limp" else ("fault", action, event)
+    )

@@ -1,0 +1,148 @@
+"""The page of the docs that has all that the supervisor does, written from the tables that it reads.
+
+python tests/safety_page.py    # writes docs/safety-tables.md
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
+from laticauda.operate.safety.supervisor import (
+    CONFIRM_TIME,
+    HOLD_AFTER,
+    LIMP_AFTER,
+    MARGIN,
+    RULES,
+    TRANSITIONS,
+    Supervisor,
+)
+from laticauda.operate.settings import Limits
+from laticauda.protocol import Heartbeat, NodeState
+from laticauda.quantities import quantities_of, texts_of
+
+PAGE = Path(__file__).parent.parent / "docs" / "safety-tables.md"
+WORDS = {"finish": "finish the run", "straighten": "straighten, then limp"}
+
+
+def seen(now: float, *, beyond: bool) -> Reports:
+    """One module beside a limit of everything: just within, or beyond of what has to last."""
+    one = {name: np.ones(1) for name in ("angle", "rate", "current", "torque")}
+    if beyond:
+        one |= {"current": np.full(1, 9.0), "angle": np.full(1, 3.0)}
+    beat = Heartbeat(node=1, state=NodeState.ACTIVE, temperature=30.0, voltage=35.0)
+    times = {name: np.full(1, now - 0.1) for name in ("heartbeat_time", "angle_time")}
+    modules = replace(no_reports(1), **one, **times, heartbeat=(beat,))
+    at = {"now": now, "lateness": 0.01, "mocap_age": 0.1, "meter_age": 0.1, "room": 1.0}
+    return Reports(**at, modules=modules, references=np.full(1, 0.5))
+
+
+def limits_of() -> dict[str, list[str]]:
+    """The limits of every event that has some: those that bring it about when they are moved to nothing, or far out."""
+    found: dict[str, list[str]] = {}
+    for name in quantities_of(Limits):
+        for beyond, later in ((False, 5.0), (True, 1.0)):
+            for moved in (1e-9, 100.0):
+                limits = replace(Limits(), **{name: moved})
+                state, _ = compare(limits, within_limits(1), seen(0.0, beyond=beyond))
+                for event in compare(limits, state, seen(later, beyond=beyond))[1]:
+                    if name not in found.setdefault(event, []):
+                        found[event].append(name)
+    return found
+
+
+TEXT = """\
+<!-- Written by tests/safety_page.py from the tables that the supervisor reads: change those. -->
+# What stops the robot
+
+These are all events, actions, deadlines, phases and transitions of an operation, from the tables that the supervisor
+reads (`rules.csv` and `transitions.csv` of `operate/safety`), and no others.
+[Operate the robot](how-to/operate.md) says what they mean for who stands at the tank.
+
+## Events
+
+The time is from the event until every joint is limp, even if every frame on the bus is lost, with the usual
+`straighten_time`. It rests on the modules: without references they hold after {hold:g} s and are limp after {limp:g} s
+at the latest; {margin:g} s more are for ticks and frames on their way. Modules that do not report that they are limp
+{confirm:g} s after they were to be get an emergency stop. The gravest events come first, and theirs is what is done.
+
+{rules}
+
+`fault` is left by an acknowledgment alone, when nothing is wrong any more.
+
+## Limits
+
+The table `[limits]` of a trial file, with its usual numbers. Which limit leads to which event is found by moving each.
+
+{limits}
+
+## Phases
+
+Beside the phase of the operation stands the state of its supervisor. `ended` before the run means that it was given up,
+`stop` is an event of the first table, `fault` and `limp_fault` are those that have to be acknowledged. `settled`: the
+modules say that they are limp, or have had the time for it.
+
+| phase | supervisor | event | next phase | supervisor then |
+|---|---|---|---|---|
+{transitions}
+
+```mermaid
+{diagram}```
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    rows = [f"| {a} | {b} | `{event}` | {c} | {d} |" for a, b, event, c, d in TRANSITIONS]
+    return TEXT.format(
+        hold=HOLD_AFTER,
+        limp=LIMP_AFTER,
+        margin=MARGIN,
+        confirm=CONFIRM_TIME,
+        rules="\n".join(rules()),
+        limits="\n".join(limits()),
+        transitions="\n".join(rows),
+        diagram=state_diagram(),
+    )
+
+
+def rules() -> list[str]:
+    """The table of the events."""
+    supervisor, of_event = Supervisor(), limits_of()
+    found = ["| event | what happened | limits | action | limp within | then |", "|---|---|---|---|---|---|"]
+    for rule in RULES:
+        action = WORDS.get(rule.action, rule.action.replace("_", " "))
+        within = supervisor.within(rule.action)
+        then = f"{within:g} s | {'fault' if rule.is_fault else 'idle'}" if within < 1e9 else "- | -"
+        named = ", ".join(f"`{name}`" for name in of_event.get(rule.event, ())) or "-"
+        found.append(f"| `{rule.event}` | {rule.says} | {named} | {action} | {then} |")
+    return found
+
+
+def limits() -> list[str]:
+    """The table of the limits, in the units of a file."""
+    found, usual = ["| limit | usual | |", "|---|---|---|"], Limits()
+    texts, quantities = texts_of(Limits), quantities_of(Limits)
+    for name, text in texts.items():
+        unit, value = quantities[name].unit, getattr(usual, name)
+        if unit == "rad":
+            name, unit, value = f"{name}_deg", "deg", math.degrees(value)
+        found.append(f"| `{name}` | {value:g} {unit} | {text} |")
+    return found
+
+
+def state_diagram() -> str:
+    """The transitions in the language of mermaid."""
+    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
+    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
+        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
+    for row in TRANSITIONS:
+        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
+        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
+    return "\n".join([*lines, "    done_idle --> [*]", ""])
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
