@@ -155,11 +155,9 @@ def encode(message: messages.CanMessage) -> tuple[int, bytes]:
         value: Any = getattr(message, field)
         values = (value,) if len(numbers) == 1 else (None,) * len(numbers) if value is None else value
         for one, value in zip(numbers, values, strict=True):
-            raw = NOT_AVAILABLE
-            if value is not None:
-                least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest says that nothing is known
-                sound = value if math.isfinite(value) else finite(one.name, value)  # which refuses it
-                raw = round(min(max(sound / one.scale, least), one.high))
+            least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest says that nothing is known
+            sound = value if value is None or math.isfinite(value) else finite(one.name, value)  # which refuses it
+            raw = NOT_AVAILABLE if sound is None else round(min(max(sound / one.scale, least), one.high))
             whole |= (raw & (1 << one.signal.bits) - 1) << one.start
     return layout.identifier + number, whole.to_bytes(layout.length, "little")
 

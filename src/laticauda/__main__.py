@@ -1,0 +1,6 @@
+"""`python -m laticauda`: the command line, for a Python whose programs are not on the path."""
+
+from laticauda.cli import main
+
+if __name__ == "__main__":
+    raise SystemExit(main())
