@@ -4,7 +4,7 @@ Question: of all small faults (mutants: see _mutations.py) that can be made in t
 `estimation`, which share do the tests next to them notice? At least 85 % is asked for.
 
     python campaigns/mutants.py                          # all that is not known yet; goes on where it was stopped
-    python campaigns/mutants.py --only estimation        # files whose path holds this
+    python campaigns/mutants.py --only estimation        # files whose paths hold one of these
     python campaigns/mutants.py --sample 300 --seed 2    # so many by chance, with the interval of the share
     python campaigns/mutants.py --again                  # once more those that lived: after new tests
     python campaigns/mutants.py --show                   # those that live, as a list of lines
@@ -419,7 +419,7 @@ def shares(count: Counter[str]) -> tuple[float, float]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="part of a file's path")
+    parser.add_argument("--only", nargs="+", default=[""], help="parts of files' paths")
     parser.add_argument("--sample", type=int, help="try so many by chance")
     parser.add_argument("--seed", type=int, default=1, help="of their order")
     parser.add_argument("--jobs", type=int, default=2)
@@ -430,7 +430,7 @@ def main() -> int:
     PROGRESS.parent.mkdir(exist_ok=True)
     known = answers(PROGRESS)
     everything = [work for target in TARGETS for file in target.files for work in work_in(ROOT, file)]
-    chosen = [work for work in everything if options.only in work.file]
+    chosen = [work for work in everything if any(part in work.file for part in options.only)]
     random.Random(options.seed).shuffle(chosen)
     chosen = chosen[: options.sample]
     if options.show:
