@@ -9,7 +9,9 @@ from operate.tank import campaign, perfect, swimming
 
 import laticauda as lc
 from laticauda.estimation import Estimator, JointSample, PoseSample, ReferenceSample
-from laticauda.estimation.digital_twin import start_twin, step_twin
+from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
+from laticauda.estimation.motion_model import JOINTS
+from laticauda.fluid.uniform import LinearShear
 from laticauda.operate.recording.entries import content_of
 from laticauda.planar.model import PlanarPlant
 
@@ -147,3 +149,192 @@ def test_what_cannot_be_the_twin_is_refused():
         Estimator(robot=robot, plant=BODY, swim_speed=0.1)
     with pytest.raises(ValueError, match=r"`coupling` must be >= 0, got -1"):
         Estimator(robot=robot, plant=BODY, coupling=-1.0)
+
+
+def held(angle: float = 0.2) -> np.ndarray:
+    return np.full(8, angle)
+
+
+def test_a_twin_begins_at_rest_and_straight_at_the_origin():
+    twin = start_twin(BODY, held())
+    assert twin.center_of_mass.tolist() == twin.velocity.tolist() == [0.0, 0.0]
+    assert (twin.heading, twin.rate, twin.astray, twin.along, twin.across, twin.turn) == (0.0,) * 6
+    assert twin.joint_angle == pytest.approx(np.zeros(8), abs=0.2)
+
+
+@pytest.mark.parametrize("current", [(0.0, 0.0), (0.2, -0.1)])
+def test_what_it_foresees_is_its_way_through_the_water_in_the_axes_that_it_had(current):
+    body = lc.plant(BODY.robot, replace(BODY.environment, current=current), joints="servo")
+    before = start_twin(body, waves(0.0))
+    for k in range(150):
+        twin = step_twin(body, before, waves(0.01 * k), None, 0.0, 0.01)
+        assert twin is not None
+        if k > 100:
+            drift = np.array(current)
+            way = complex(*(twin.center_of_mass - before.center_of_mass - 0.01 * drift)) * np.exp(-1j * before.heading)
+            assert complex(twin.along, twin.across) == pytest.approx(way, abs=1e-12)
+            assert twin.turn == pytest.approx(twin.heading - before.heading, abs=1e-15)
+            state = body.observe(twin.plant)
+            assert twin.velocity == pytest.approx(state.center_of_mass_velocity - drift, abs=1e-12)
+            assert twin.center_of_mass == pytest.approx(state.center_of_mass)
+            assert (twin.heading, twin.rate) == (state.heading, state.heading_rate)
+            assert twin.joint_angle.tolist() == state.joint_angle.tolist()
+        before = twin
+    assert abs(twin.turn) > 1e-4 and abs(twin.along) > 1e-4
+
+
+def test_references_are_pulled_by_what_the_sensors_see_beside_the_twin():
+    twin = start_twin(BODY, held(0.0))
+    pulled = step_twin(BODY, twin, held(0.0), twin.joint_angle + 0.1, 0.5, 0.05)
+    asked = step_twin(BODY, twin, held(0.05), None, 0.5, 0.05)
+    assert pulled.joint_angle == pytest.approx(asked.joint_angle, abs=1e-12)
+    assert np.abs(asked.joint_angle).max() > 1e-4
+
+
+def test_a_twin_may_be_astray_for_a_second_and_comes_back_at_once():
+    twin, times = start_twin(BODY, held(0.0)), []
+    edge = step_twin(BODY, twin, held(0.0), twin.joint_angle + 0.5 - 1e-9, 0.0, 0.01)
+    assert edge.astray == 0.0
+    for _ in range(4):
+        twin = step_twin(BODY, twin, held(0.0), np.append(np.full(7, 0.0), 0.7), 0.0, 0.25)
+        times.append(twin.astray)
+    assert times == [0.25, 0.5, 0.75, 1.0]
+    assert step_twin(BODY, twin, held(0.0), held(-0.7), 0.0, 0.25) is None
+    assert step_twin(BODY, twin, held(0.0), held(0.0), 0.0, 0.25).astray == 0.0
+    assert step_twin(BODY, twin, held(0.0), None, 0.0, 0.25).astray == 0.0
+
+
+class Told(PlanarPlant):
+    """A plant that says another speed than it has."""
+
+    def march(self, state, command, duration, sample_interval, *, link_forces=False):
+        then, log, trouble = super().march(state, command, duration, sample_interval)
+        (speed, rate), n = SAID[-1], len(log.time)
+        return (
+            then,
+            replace(log, center_of_mass_velocity=np.tile(speed, (n, 1)), heading_rate=np.full(n, rate)),
+            trouble,
+        )
+
+
+SAID: list[tuple[tuple[float, float], float]] = []
+
+
+@pytest.mark.parametrize(
+    ("speed", "rate", "is_sane"),
+    [
+        ((9.99, -9.99), 49.9, True),
+        ((10.0, 0.0), 0.0, False),
+        ((0.0, -10.0), 0.0, False),
+        ((0.0, 0.0), 50.0, False),
+        ((0.0, 0.0), -50.0, False),
+        ((math.nan, 0.0), 0.0, False),
+    ],
+)
+def test_a_twin_beyond_ten_meters_or_fifty_radians_per_second_has_diverged(speed, rate, is_sane):
+    SAID.append((speed, rate))
+    told = Told(robot=BODY.robot, environment=BODY.environment, settings=BODY.settings)
+    assert (step_twin(told, start_twin(told, held()), held(), None, 0.0, 0.01) is not None) == is_sane
+
+
+FINNED = lc.load_robot("mamba-fin")
+DRIVEN = replace(FINNED, caudal_fin=replace(FINNED.caudal_fin, joint=lc.robot.Joint()))
+
+
+def test_a_driven_fin_goes_to_its_reference_and_a_robot_without_one_takes_none():
+    body = lc.plant(DRIVEN, lc.load_water("paper-eel"), joints="servo")
+    turns = []
+    for fin in ((), (0.4,), (0.4, 9.0)):
+        twin = start_twin(body, held(0.0))
+        for _ in range(20):
+            twin = step_twin(body, twin, held(0.0), None, 0.0, 0.02, fin=fin)
+        turns.append(twin.turn)
+    assert turns[1] == turns[2] != turns[0]
+    one, two = (step_twin(BODY, start_twin(BODY, held()), held(), None, 0.0, 0.02, fin=fin) for fin in ((), (0.4,)))
+    assert one.along == two.along and one.turn == two.turn
+
+
+def test_a_twin_has_as_many_yaw_joints_as_its_robot_and_in_space_no_others():
+    check_plant(None, BODY.robot)
+    check_plant(BODY, BODY.robot)
+    built = lc.load_robot("mamba-modules")
+    check_plant(lc.plant(built.planar(), BODY.environment, joints="servo"), built)
+    space = lc.plant(built, BODY.environment, model="spatial", joints="servo")
+    with pytest.raises(ValueError, match=r"`plant` must have 9 joints, all of them yaw joints, got 18\."):
+        check_plant(space, built)
+    pd = lc.plant(BODY.robot, BODY.environment, joints="pd")
+    check_plant(pd, BODY.robot)
+
+
+def beside(angle: float = 0.3) -> tuple[Estimator, object]:
+    """An estimator with a twin, after its first frame and references, at 0.1 s."""
+    estimator = Estimator(robot=BODY.robot, plant=BODY)
+    state = estimator.init()
+    for sample in (
+        ReferenceSample(time=0.0, angle=held(angle), frequency=1.0),
+        JointSample(time=0.1, angle=held(0.05)),
+        PoseSample(time=0.1, position=np.array([1.0, 2.0, 0.0]), rotation=np.eye(3)),
+    ):
+        state = estimator.step(state, sample)
+    return estimator, state
+
+
+def test_the_filter_takes_what_the_twin_foresees_step_by_step():
+    estimator, state = beside()
+    now = state.latest
+    assert now.twin is not None and not now.twin_failed
+    known, twin, lagged = now.posterior, now.twin, None
+    later = estimator.step(state, ReferenceSample(time=0.2, angle=held(-0.1), frequency=1.0)).latest
+    lagged = later.lagged
+    for _ in range(2):
+        twin = step_twin(BODY, twin, now.reference, lagged + known.mean[JOINTS::2], 1.0, 0.05)
+        mean, f, q = estimator.twin_model.step(known.mean, lagged, 1.0, 0.05, twin)
+        known = known.predict(mean, f, q)
+    assert later.posterior.mean == pytest.approx(known.mean, abs=1e-12)
+    np.testing.assert_allclose(later.posterior.covariance, known.covariance, rtol=1e-9, atol=1e-15)
+    assert later.twin.center_of_mass == pytest.approx(twin.center_of_mass, abs=1e-12)
+    found = estimator.estimate(state)
+    velocity, turning = estimator.twin_model.rates(now.posterior.mean, now.lagged, now.lagged_rate, 1.0, now.twin)
+    assert found.center_of_mass_velocity == pytest.approx(velocity) and found.heading_rate == pytest.approx(turning)
+
+
+def test_references_start_the_twin_once_and_what_explains_the_motion_is_open_then():
+    estimator = Estimator(robot=BODY.robot, plant=BODY)
+    state = estimator.init()
+    for sample in (
+        JointSample(time=0.0, angle=held(0.0)),
+        PoseSample(time=0.0, position=np.zeros(3), rotation=np.eye(3)),
+    ):
+        state = estimator.step(state, sample)
+    assert state.latest.twin is None
+    after = estimator.step(state, ReferenceSample(time=0.0, angle=held(0.1)))
+    first = start_twin(BODY, held(0.1))
+    assert after.latest.twin.joint_angle.tolist() == first.joint_angle.tolist()
+    expected = estimator.twin_model.reopened(state.latest.posterior)
+    assert np.array_equal(after.latest.posterior.covariance, expected.covariance)
+    again = estimator.step(after, ReferenceSample(time=0.0, angle=held(0.3)))
+    assert again.latest.twin is after.latest.twin and again.latest.posterior is after.latest.posterior
+    failed = replace(state.latest, twin_failed=True)
+    left = estimator.step(replace(state, history=((None, failed),)), ReferenceSample(time=0.0, angle=held(0.3)))
+    assert left.latest.twin is None and left.latest.posterior is failed.posterior
+
+
+def test_without_its_twin_the_filter_goes_on_as_one_that_never_had_it():
+    estimator, state = beside()
+    gone = replace(state.latest, twin=replace(state.latest.twin, astray=0.99, joint_angle=held(2.0)))
+    after = estimator.step(replace(state, history=((None, gone),)), JointSample(time=0.12, angle=held(math.nan)))
+    assert after.latest.twin is None and after.latest.twin_failed
+    expected = estimator.model.reopened(gone.posterior)
+    mean, f, q = estimator.model.step(expected.mean, after.latest.lagged, 1.0, 0.02)
+    np.testing.assert_allclose(after.latest.posterior.mean, mean, rtol=1e-9, atol=1e-12)
+    whole = expected.predict(mean, f, q).covariance
+    np.testing.assert_allclose(after.latest.posterior.covariance, whole, rtol=1e-9, atol=1e-12)
+
+
+def test_flowing_water_is_the_filters_affair_and_not_the_twins():
+    water = replace(BODY.environment, current=LinearShear())
+    estimator = Estimator(robot=BODY.robot, plant=lc.plant(BODY.robot, water, joints="servo"))
+    assert estimator.plant.environment == water.still
+    steady = replace(BODY.environment, current=(0.1, 0.0))
+    kept = Estimator(robot=BODY.robot, plant=lc.plant(BODY.robot, steady, joints="servo"))
+    assert kept.plant.environment == steady
