@@ -53,7 +53,9 @@ STORED = Path(__file__).with_suffix(".csv")
 ALIVE = Path(__file__).with_name("mutants_alive.csv")
 PROGRESS = ROOT / "build" / "mutants.jsonl"
 ENOUGH = 0.85
-PATIENCE, AT_LEAST = 3.0, 10.0  # times what sound code takes; [s]
+PATIENCE, AT_LEAST = 3.0, 10.0  # times what sound code takes; [s], of this process's own
+IMPORTING = 20.0  # what it may take until the tests begin [s]
+SLOWLY = 6.0  # a computer that is busy does as much in so many times the time
 BEFORE = ("numpy", "numba", "scipy.optimize", "xarray", "matplotlib.pyplot", "hypothesis", "beartype", "jaxtyping")
 """What is imported once and for all."""
 
@@ -253,8 +255,10 @@ def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> tuple
         try:
             os.setpgid(0, 0)
             os.close(there)
-            signal.signal(signal.SIGALRM, signal.SIG_DFL)
-            signal.setitimer(signal.ITIMER_REAL, patience)
+            for alarm in (signal.SIGPROF, signal.SIGALRM):
+                signal.signal(alarm, signal.SIG_DFL)
+            signal.setitimer(signal.ITIMER_PROF, patience)
+            signal.setitimer(signal.ITIMER_REAL, SLOWLY * patience)
             status = do(lambda text: os.write(here, text.encode()) and None)
         except BaseException:
             traceback.print_exc()
@@ -274,7 +278,7 @@ def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> tuple
 
 
 def outcome_of(status: str) -> str:
-    return "alive" if status == "0" else "hung" if status == "SIGALRM" else "noticed"
+    return "alive" if status == "0" else "hung" if status in ("SIGPROF", "SIGALRM") else "noticed"
 
 
 def _imported_with(root: Path, work: Work, target: Target, seconds: dict[str, float]) -> int:
@@ -325,7 +329,7 @@ def try_all(root: Path, target: Target, works: Sequence[Work], progress: Path) -
             out.seek(0)
             raise RuntimeError(out.read().decode()[-3000:])
         left, seconds = json.loads(said)
-        patience = max(PATIENCE * sum(seconds.values()), AT_LEAST) + AT_LEAST
+        patience = max(PATIENCE * sum(seconds.values()), AT_LEAST) + IMPORTING
         for work in works:
             if work.digest in left:
                 status, _, took = forked(
@@ -379,6 +383,12 @@ def _listed() -> dict[Key, tuple[str, str]]:
         }
 
 
+def stored() -> list[dict[str, str]]:
+    """The last answer."""
+    with STORED.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def key_of(work: Work) -> Key:
     return work.file, work.mutant.function, work.mutant.before, work.mutant.after
 
@@ -398,12 +408,13 @@ def write(works: Sequence[Work], known: dict[str, dict[str, Any]]) -> list[tuple
     with STORED.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(
-            ("file", "mutants", "tried", "noticed", "hung", "equivalent", "alive", "share", "without_equivalent")
+            ("file", "mutants", "tried", "seen", "hung", "equivalent", "alive", "share", "without_equivalent")
         )
         for name, count in rows:
             n = sum(name in (work.file, "all") for work in works)
-            told = (count[word] for word in ("tried", "noticed", "hung", "equivalent", "alive"))
-            table.writerow((name, n, *told, *(f"{share:.4f}" for share in shares(count))))
+            told = (count[word] for word in ("hung", "equivalent", "alive"))
+            seen = count["noticed"] + count["hung"]
+            table.writerow((name, n, count["tried"], seen, *told, *(f"{share:.4f}" for share in shares(count))))
     with ALIVE.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("file", "function", "before", "after", "outcome", "reason"))

@@ -108,6 +108,20 @@ def test_what_is_old_or_tells_nothing_is_left_out(sample):
     assert USUAL.step(state, sample) is state
 
 
+def test_old_is_what_comes_before_the_last_sample_of_its_kind():
+    state = after(joints(1.0), frame(1.0), joints(1.1), frame(1.1))
+    assert USUAL.step(state, joints(1.05, 9.0)) is state
+    assert USUAL.step(state, frame(1.05, x=9.0)) is state
+    assert USUAL.step(state, joints(1.11)).joints[-1][0] == 1.11
+    assert [(one.age, one.heading_rate) for one in state.frames] == [(0.0, 0.0)] * 2  # kept without velocities
+
+
+def test_a_robot_that_spins_is_followed_from_frame_to_frame():
+    samples = [one for k in range(20) for one in (joints(0.02 * k), frame(0.02 * k, yaw=0.8 * k))]
+    found = USUAL.estimate(after(*samples))
+    assert found.heading == pytest.approx(0.8 * 19) and found.heading_rate == pytest.approx(40.0)
+
+
 def test_a_frame_before_any_joint_sample_tells_nothing():
     assert after(frame(1.0)).frames == ()
 

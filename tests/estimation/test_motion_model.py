@@ -148,7 +148,7 @@ def test_a_step_beside_a_twin_goes_the_twins_way_in_the_robots_own_axes():
     assert after[U] == pytest.approx(mean[U] * math.exp(-dt / 10.0))
 
 
-@pytest.mark.parametrize(("frequency", "target"), [(0.0, 0.0), (2.0, 0.3)])
+@pytest.mark.parametrize(("frequency", "target"), [(0.0, 0.0), (0.5, 0.3)])
 def test_a_known_speed_is_come_to_within_seconds_and_forgotten_when_the_gait_stands_still(frequency, target):
     motion, mean, reference = placed(swim_speed=0.3)
     fade = math.exp(-0.5 / 4.0)
@@ -157,7 +157,7 @@ def test_a_known_speed_is_come_to_within_seconds_and_forgotten_when_the_gait_sta
     assert q[U, U] == pytest.approx(0.01**2 * (1.0 - fade**2))  # in the end, `swim_speed_std`
 
 
-@pytest.mark.parametrize(("frequency", "memory"), [(0.0, 0.3), (2.0, 100.0)])
+@pytest.mark.parametrize(("frequency", "memory"), [(0.0, 0.3), (0.5, 100.0)])
 def test_a_ripple_turns_by_the_gaits_phase_and_fades_at_once_when_the_gait_stands_still(frequency, memory):
     motion, mean, reference = placed()
     dt = 0.05
@@ -255,7 +255,8 @@ def test_the_marker_is_where_kinematics_has_it():
     found, _ = motion.marker(mean, reference)
     assert found == pytest.approx([*(link + offset), theta[2]])
     assert heading + motion.spread @ angle == pytest.approx(theta)
-    assert motion.link == 2 and motion.n_joints == 8 and motion.size == JOINTS + 16
+    assert (motion.link, motion.n_joints, motion.size) == (2, 8, JOINTS + 16)
+    assert (RIPPLE, JOINTS) == (18, 30)  # behind ten numbers and two times four gains; six pointers
 
 
 def test_the_pose_is_the_smooth_motion_with_ripples_and_what_bending_adds():
@@ -289,6 +290,12 @@ def test_velocity_and_heading_rate_are_those_of_the_pose_as_it_steps_on(has_twin
     then, later, _ = motion.pose(after, reference + dt * rate)
     assert velocity == pytest.approx((then - before) / dt, rel=1e-4, abs=1e-5)
     assert turned == pytest.approx((later - heading) / dt, rel=1e-4, abs=1e-5)
+
+
+def test_a_robot_with_one_joint_bends_in_two_ways_at_most():
+    mamba = lc.load_robot("mamba").planar()
+    motion = MotionModel(robot=replace(mamba, modules=mamba.modules[:2], joints=mamba.joints[:1]))
+    assert motion.modes == pytest.approx(np.array([[1.0], [0.0], [-1.0], [0.0]]), abs=1e-15)
 
 
 def test_a_robot_without_joints_has_neither_bending_nor_spread():
