@@ -348,3 +348,8 @@ def test_samples_from_before_the_begin_are_left_out():
     first = USUAL.init().latest
     assert isinstance(first, FilterState) and first.time == -math.inf
     assert first.n_joint_rejected.tolist() == first.reference.tolist() == [0] * 8
+
+
+def test_before_the_first_frame_a_long_time_is_no_work():
+    state = after(references(0.0, 0.2), references(1e12, 0.1))
+    assert state.latest.lagged == pytest.approx(np.full(8, 0.2))

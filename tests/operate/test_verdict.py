@@ -194,7 +194,6 @@ NEEDS_A_MODEL = {"swing_error", "marker_jump", "speed_change", "sideslip_change"
 @pytest.mark.parametrize(
     "plant",
     [
-        None,
         Diverging(robot=PLANT.robot, environment=PLANT.environment, settings=PLANT.settings),
         lc.plant(lc.load_robot("mamba-modules").planar(), WATER, joints="servo"),  # another number of joints
     ],

@@ -335,5 +335,5 @@ def _walk_of_rate(q: Matrix, at: int | np.ndarray, density: float, dt: float) ->
 
 def _bending_modes(n_joints: int) -> Matrix:
     """Rows that make modes of the joint angles: their mean, and cosines of 1, 2 and 3 half waves along the body."""
-    place = (np.arange(n_joints) + 0.5) / n_joints
-    return np.array([np.cos(math.pi * k * place) for k in range(N_MODES)]) / n_joints
+    place = (np.arange(n_joints) + 0.5) / max(n_joints, 1)
+    return np.array([np.cos(math.pi * k * place) for k in range(N_MODES)]) / max(n_joints, 1)
