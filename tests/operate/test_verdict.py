@@ -10,6 +10,7 @@ from laticauda.estimation import Estimate, JointSample, KinematicEstimator, Pose
 from laticauda.kinematics import turn
 from laticauda.operate import Event, Header, OperationLog, spoken, verdict_of
 from laticauda.operate.settings import Acceptance
+from laticauda.operate.verdict import _check, _size, _spread, _step
 from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Experiment
 
@@ -226,3 +227,123 @@ def test_a_run_of_few_cycles_is_checked_but_for_its_turning(truth):
     short = tuple(one for one in log.entries if one.time < BEFORE + 4 * 3.0 + 0.1)
     found = words(judged(replace(log, entries=(*short, Event(time=BEFORE + 12.1, kind="stop", message="")))))
     assert [name for name, word in found.items() if word == "not checked"] == ["turn_change", "clock_drift"]
+
+
+def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_where():
+    times, limits = [3.0, 4.0, 5.0], Acceptance(water_speed=0.01, joint_error=math.radians(3.0), without_zero=0.5)
+    found = _check(limits, "joint_error", 1.0, times, np.radians([1.0, 6.0, 4.5]), "module 2")
+    assert found.says == "a joint off what its servo can follow: 6 of 3 deg (200 %), since 3.0 s; module 2"
+    assert (found.word, found.value, found.limit) == ("WRONG", math.radians(6.0), math.radians(3.0))
+    assert (found.share, found.since) == (pytest.approx(2.0), 3.0)
+    found = _check(limits, "water_speed", 1.0, times, np.array([0.01, math.nan, 0.004]), "")
+    assert found.says == "the straight robot drifts before the run: 0.01 of 0.01 m/s (100 %)"
+    assert (found.word, found.since, found.share) == ("ok", None, 1.0)
+    found = _check(limits, "without_zero", 1.0, times, np.array([0.0, 0.0, 2.0]), "")
+    assert (found.word, found.since) == ("noted", 4.0)
+    assert found.says == "modules without a zero (`joint_zeros` sets them): 2 of 0.5 (400 %), since 4.0 s"
+    found = _check(limits, "without_zero", 1.0, times, np.full(3, math.nan), "")
+    assert found == (
+        "without_zero",
+        None,
+        0.5,
+        None,
+        None,
+        "not checked",
+        "modules without a zero (`joint_zeros` sets them)",
+    )
+
+
+def test_a_cycle_without_its_mean_and_slope_is_what_is_left_of_it():
+    place = np.linspace(-1.0, 1.0, 201)
+    wave = 0.3 * np.cos(4.0 * math.pi * place)
+    assert _size(np.stack([wave, 2.0 * wave + 5.0, wave + 3.0 * place])) == pytest.approx(
+        np.array([1.0, 2.0, 1.0]) * 0.3 / math.sqrt(2.0), rel=0.01
+    )
+
+
+def test_a_cycles_way_is_told_along_and_to_the_left_of_its_own_heading():
+    heading = np.array([[0.0, 0.0], [2.0, 2.2], [-1.0, -1.0]])
+    ways = np.array([9.0 + 0.0j, (0.3 + 0.1j) * np.exp(2.1j), (0.2 - 0.4j) * np.exp(-1.0j)])
+    center = np.zeros((3, 2, 2))
+    center[:, 0] = [[5.0, 6.0]] * 3
+    center[:, 1, 0], center[:, 1, 1] = 5.0 + ways.real, 6.0 + ways.imag
+    ahead, aside = _step(center, heading)
+    assert ahead == pytest.approx([0.3, 0.2]) and aside == pytest.approx([0.1, -0.4])
+
+
+def test_a_spread_is_what_has_changed_up_to_each_moment():
+    assert _spread(np.array([1.0, 3.0, 2.0, 0.5])).tolist() == [0.0, 2.0, 2.0, 2.5]
+
+
+def moved_log(truth, *, turned: float = 0.0, faster=1.0, bent=0.0) -> OperationLog:
+    """The recording of a run in other axes, at another speed, or with a heading that goes away.
+
+    Args:
+        truth: The run.
+        turned: All of it, about the origin.
+        faster: How much further the center of mass goes at every sample.
+        bent: Heading and markers, at every sample.
+    """
+    c, s = math.cos(turned), math.sin(turned)
+    plane = np.array([[c, -s], [s, c]])
+    log, n = log_of(truth, yaw=turned + np.broadcast_to(bent, len(truth.time))), len(truth.time)
+    steps = np.diff(truth.center_of_mass, axis=0, prepend=truth.center_of_mass[:1])
+    path = truth.center_of_mass[0] + np.cumsum(np.broadcast_to(faster, n)[:, np.newaxis] * steps, axis=0)
+
+    def other(one):
+        if not isinstance(one, Estimate):
+            return one
+        k = round(max(one.time - BEFORE, 0.0) / STEP)
+        return replace(one, center_of_mass=plane @ path[k])
+
+    return replace(log, entries=tuple(map(other, log.entries)))
+
+
+NUMBERS = ("joint_error", "swing_error", "marker_jump", "speed_change", "sideslip_change", "turn_change", "model_speed")
+
+
+def test_the_choice_of_world_axes_does_not_matter(truth):
+    here, there = judged(moved_log(truth)), judged(moved_log(truth, turned=2.0))
+    for name in NUMBERS:
+        assert there[name].value == pytest.approx(here[name].value, abs=2e-3), name
+        assert there[name].word == "ok"
+
+
+def test_a_robot_that_becomes_faster_is_seen_and_one_that_always_was_is_noted(truth):
+    later = judged(moved_log(truth, faster=np.where(truth.time < 12.0, 1.0, 1.5)))["speed_change"]
+    assert (later.word, later.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
+    assert 12.0 < later.since <= 15.1
+    always = judged(moved_log(truth, faster=1.5))
+    assert (always["speed_change"].word, always["model_speed"].word) == ("ok", "noted")
+    assert always["model_speed"].value == pytest.approx(math.log(1.5), abs=0.05)
+    assert always["model_speed"].since == pytest.approx(CYCLES * 3.0)
+
+
+def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
+    bent = np.maximum(truth.time - 12.0, 0.0) * math.radians(2.0) / 3.0  # 2 deg a cycle
+    found = judged(moved_log(truth, bent=bent))["turn_change"]
+    # Over five cycles: none of the first five of seven turns but the last, three of the last five.
+    assert found.value == pytest.approx(math.radians(2.0 * 2.0 / 5.0), rel=0.1)
+    assert judged(moved_log(truth, bent=bent), turn_change=0.9 * found.value)["turn_change"].since > 15.0
+    assert judged(moved_log(truth, bent=-bent))["turn_change"].value == pytest.approx(found.value, rel=0.1)
+
+
+def test_a_joint_that_does_the_opposite_of_its_servo_is_not_between_reference_and_model(truth):
+    opposite = 2.0 * truth.joint_angle_ref - truth.joint_angle
+    lag = (truth.joint_angle_ref - truth.joint_angle)[: 150 * CYCLES].reshape(CYCLES, 150, -1)
+    beside = np.sqrt(np.mean(lag**2, axis=1)).max()  # of the worst cycle and joint
+    assert judged(log_of(truth, angle=opposite))["joint_error"].value == pytest.approx(beside, rel=0.05)
+    double = 2.0 * truth.joint_angle - truth.joint_angle_ref
+    assert judged(log_of(truth, angle=double))["joint_error"].value == pytest.approx(beside, rel=0.05)
+
+
+def test_what_has_gaps_is_judged_by_what_there_is(truth):
+    log = log_of(truth)
+    some = [
+        replace(one, rate=None) if isinstance(one, JointSample) and k % 2 else one for k, one in enumerate(log.entries)
+    ]
+    assert words(judged(replace(log, entries=tuple(some))))["angle_jump"] == "not checked"
+    rare = [one for one in log.entries if not (isinstance(one, PoseSample) and round(one.time / STEP) % 20)]
+    assert words(judged(replace(log, entries=tuple(rare))))["marker_jump"] == "not checked"  # 0.4 s between frames
+    holes = [one for one in log.entries if not (isinstance(one, JointSample) and 8.0 < one.time < 8.5)]
+    assert words(judged(replace(log, entries=tuple(holes))))["angle_jump"] == "ok"
