@@ -68,17 +68,18 @@ class Target:
     tests: tuple[str, ...]
     left_out: tuple[str, ...] = ()
     """Tests whose name holds one of these are too slow to be asked two thousand times; `--thorough` asks them, too."""
-    warm: Callable[[], object] = lambda: None
-    """What has kernels loaded, without a line of the files."""
+    warm: Callable[[Any], object] = lambda module: None
+    """What has kernels loaded and runs swum, without a line of the files; it gets the first module of the tests."""
 
 
-def _swim() -> None:
+def _swim(module: Any) -> None:
     lc = import_module("laticauda")
     robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
     lc.swim(robot, lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), duration=0.1)
     plant = lc.plant(robot, water, joints="servo")
     gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     lc.run(plant, lc.OpenLoop(command=lc.Command(gait=gait)), 0.1)
+    getattr(module, "swum", lambda: None)()
 
 
 def _estimation(*names: str) -> tuple[str, ...]:
@@ -175,7 +176,7 @@ class Asked:
         items.sort(key=lambda item: self.seconds.get(item.nodeid, math.inf))
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        self._target.warm()
+        self._target.warm(getattr(session.items[0], "module", None))
         known = _functions({str(self._root / file) for file in self._target.files})
         status, told, _ = forked(lambda say: self._sound(session.items, say), 600.0)
         if status != "0":

@@ -1,5 +1,6 @@
 import math
 from dataclasses import fields, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,12 @@ BEFORE = 3.0  # s
 
 
 @pytest.fixture(scope="module")
-def truth():
+def truth() -> lc.Trial:
+    return swum()
+
+
+@cache
+def swum() -> lc.Trial:
     """A run of whole cycles, as it is sampled."""
     return lc.run(PLANT, lc.OpenLoop(command=lc.Command(gait=GAIT)), CYCLES * 3.0 + STEP, sample_interval=STEP)
 
@@ -215,11 +221,10 @@ def test_what_was_not_recorded_is_not_checked(truth):
     assert {name for name, one in bare.items() if one.word != "not checked"} == {"without_zero", "clock_drift"}
     unseen = words(judged(without(log, PoseSample)))
     assert {name for name, word in unseen.items() if word == "not checked"} == NEEDS_A_MODEL
-    begun = replace(log, entries=tuple(one for one in log.entries if one.time >= BEFORE))
-    assert words(judged(begun))["water_speed"] == "not checked"
     no_rates = [replace(one, rate=None) if isinstance(one, JointSample) else one for one in log.entries]
-    found = words(judged(replace(log, entries=tuple(no_rates))))
-    assert [name for name, word in found.items() if word != "ok"] == ["angle_jump"]
+    begun = tuple(one for one in no_rates if one.time >= BEFORE)
+    found = words(judged(replace(log, entries=begun)))
+    assert [name for name, word in found.items() if word != "ok"] == ["angle_jump", "water_speed", "without_zero"]
 
 
 def test_a_run_of_few_cycles_is_checked_but_for_its_turning(truth):
@@ -303,7 +308,7 @@ NUMBERS = ("joint_error", "swing_error", "marker_jump", "speed_change", "sidesli
 
 
 def test_the_choice_of_world_axes_does_not_matter(truth):
-    here, there = judged(moved_log(truth)), judged(moved_log(truth, turned=2.0))
+    here, there = judged(log_of(truth)), judged(moved_log(truth, turned=2.0))
     for name in NUMBERS:
         assert there[name].value == pytest.approx(here[name].value, abs=2e-3), name
         assert there[name].word == "ok"
@@ -321,11 +326,10 @@ def test_a_robot_that_becomes_faster_is_seen_and_one_that_always_was_is_noted(tr
 
 def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
     bent = np.maximum(truth.time - 12.0, 0.0) * math.radians(2.0) / 3.0  # 2 deg a cycle
-    found = judged(moved_log(truth, bent=bent))["turn_change"]
+    found = judged(moved_log(truth, bent=bent), turn_change=math.radians(0.7))["turn_change"]
     # Over five cycles: none of the first five of seven turns but the last, three of the last five.
     assert found.value == pytest.approx(math.radians(2.0 * 2.0 / 5.0), rel=0.1)
-    assert judged(moved_log(truth, bent=bent), turn_change=0.9 * found.value)["turn_change"].since > 15.0
-    assert judged(moved_log(truth, bent=-bent))["turn_change"].value == pytest.approx(found.value, rel=0.1)
+    assert found.word == "WRONG" and found.since > 15.0
 
 
 def test_a_joint_that_does_the_opposite_of_its_servo_is_not_between_reference_and_model(truth):
@@ -339,11 +343,13 @@ def test_a_joint_that_does_the_opposite_of_its_servo_is_not_between_reference_an
 
 def test_what_has_gaps_is_judged_by_what_there_is(truth):
     log = log_of(truth)
+    first = next(one for one in log.entries if isinstance(one, JointSample))
     some = [
-        replace(one, rate=None) if isinstance(one, JointSample) and k % 2 else one for k, one in enumerate(log.entries)
+        replace(one, rate=None) if one is first else one
+        for one in log.entries
+        if not (isinstance(one, PoseSample) and round(one.time / STEP) % 20)  # 0.4 s between frames
     ]
-    assert words(judged(replace(log, entries=tuple(some))))["angle_jump"] == "not checked"
-    rare = [one for one in log.entries if not (isinstance(one, PoseSample) and round(one.time / STEP) % 20)]
-    assert words(judged(replace(log, entries=tuple(rare))))["marker_jump"] == "not checked"  # 0.4 s between frames
+    found = words(judged(replace(log, entries=tuple(some))))
+    assert found["angle_jump"] == found["marker_jump"] == "not checked"
     holes = [one for one in log.entries if not (isinstance(one, JointSample) and 8.0 < one.time < 8.5)]
     assert words(judged(replace(log, entries=tuple(holes))))["angle_jump"] == "ok"
