@@ -269,6 +269,7 @@ def test_a_twin_has_as_many_yaw_joints_as_its_robot_and_in_space_no_others():
 
 def test_of_a_twin_in_space_the_motion_in_the_plane_counts():
     body = lc.plant(BODY.robot, BODY.environment, model="spatial", joints="servo")
+    check_plant(body, BODY.robot)
     twin = start_twin(body, held(0.0))
     for k in range(5):
         twin = step_twin(body, twin, waves(0.05 * k), None, 0.0, 0.05)

@@ -81,6 +81,8 @@ def test_a_setting_at_the_edge_of_its_range(name, rule):
     if rule.startswith(">="):
         assert getattr(replace(USUAL, **{name: 0.0}), name) == 0.0
     assert replace(USUAL, patience=1).patience == 1
+    with pytest.raises(ValueError, match=r"`module` must be < 9, the number of modules, got 12\."):
+        replace(USUAL, mount=Mount(module=12))
 
 
 def test_the_first_frame_with_the_joints_before_it_gives_the_pose_that_kinematics_gives():
@@ -193,10 +195,10 @@ def test_joints_update_by_the_sensors_noise_and_silent_ones_do_not():
 def test_a_joint_at_the_gate_is_taken_in_and_beyond_it_rejected_and_counted():
     state = started()
     at = JOINTS + 4
-    spread = math.sqrt(state.latest.posterior.covariance[at, at] + math.radians(0.3) ** 2)
-    for share, n in ((0.999, 0), (1.001, 1), (-0.999, 0), (-1.001, 1)):
+    spread = float(np.sqrt(state.latest.posterior.covariance[at, at] + math.radians(0.3) ** 2))
+    for share, n in ((0.999, 0), (1.0, 0), (1.001, 1), (-0.999, 0), (-1.0, 0), (-1.001, 1)):
         angle = np.zeros(8)
-        angle[2] = share * 5.0 * spread
+        angle[2] = share * (5.0 * spread)
         now = USUAL.step(state, joints(1.0, angle)).latest
         assert now.n_joint_rejected.tolist() == [0, 0, n, 0, 0, 0, 0, 0]
         assert (now.posterior.mean[at] == 0.0) == bool(n)
@@ -257,6 +259,14 @@ def test_a_frame_updates_by_the_cameras_noise(yaw):
     np.testing.assert_allclose(found.covariance, after_it.covariance, rtol=1e-6, atol=1e-14)
 
 
+def test_of_a_frame_whose_rotation_is_partly_unknown_the_place_counts():
+    state, partly = started(), turn("yaw", 0.9)
+    partly[2, 2] = math.nan
+    found = USUAL.step(state, replace(frame(1.0, 0.501, -0.199), rotation=partly)).latest.posterior
+    expected = USUAL.step(state, frame(1.0, 0.501, -0.199, None)).latest.posterior
+    assert np.array_equal(found.mean, expected.mean)
+
+
 def test_a_whole_turn_more_is_the_same_angle():
     state = started()
     mean = state.latest.posterior.mean.copy()
@@ -303,6 +313,8 @@ def test_backlash_is_taken_off_on_the_side_to_which_the_motor_pulls():
     for torque, pulled in ((3.0, 0.02), (-3.0, -0.02), (0.3, 0.02 * math.tanh(1.0)), (0.0, 0.0), (math.nan, 0.0)):
         now = after(joints(0.0, 0.1, torque), estimator=estimator).latest
         assert now.joint_angle == pytest.approx(np.full(8, 0.1 - pulled), abs=1e-9)
+    wide = after(joints(0.0, 0.1, 3.0), estimator=replace(USUAL, backlash=1.0)).latest
+    assert wide.joint_angle == pytest.approx(np.full(8, -0.4), abs=1e-7)
     assert after(joints(0.0, 0.1), estimator=estimator).latest.joint_angle == pytest.approx(np.full(8, 0.1))
     assert after(joints(0.0, 0.1, 3.0)).latest.joint_angle == pytest.approx(np.full(8, 0.1))
 

@@ -302,7 +302,7 @@ def test_a_robot_without_joints_has_neither_bending_nor_spread():
     stiff = lc.load_robot("mamba").planar()
     stiff = replace(stiff, modules=stiff.modules[:1], joints=())
     motion = MotionModel(robot=stiff)
-    assert (motion.n_joints, motion.size) == (0, JOINTS)
+    assert (motion.n_joints, motion.size, motion.has_twin) == (0, JOINTS, False)
     assert motion.spread.shape == (1, 0) and motion.modes.shape == (4, 0)
     place, heading, _ = motion.pose(np.arange(JOINTS) / 10.0, np.zeros(0))
     assert np.isfinite([*place, heading]).all()
