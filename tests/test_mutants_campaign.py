@@ -131,6 +131,7 @@ mutants.try_all(root, target, mutants.work_in(root, "small.py"), root / "progres
 """
 
 
+@pytest.mark.slow
 def test_faults_are_noticed_hang_or_live_in_functions_and_where_a_file_is_imported(tmp_path):
     (tmp_path / "small.py").write_text(SOURCE)
     (tmp_path / "test_small.py").write_text(TESTS)

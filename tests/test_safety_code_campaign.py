@@ -1,5 +1,6 @@
 """The stored answer of campaigns/safety_code.py, and one file of it anew."""
 
+import pytest
 from campaign_scripts import campaign
 
 safety_code = campaign("safety_code")
@@ -15,6 +16,7 @@ def test_every_statement_and_branch_of_the_safety_code_is_run_by_its_own_tests()
     assert sum(int(row["statements"]) for row in rows) > 1500 and sum(int(row["branches"]) for row in rows) > 300
 
 
+@pytest.mark.slow
 def test_what_no_test_runs_is_listed_by_line_and_branch():
     (file,) = (one for one in safety_code.files_of("protocol") if one.name == "meter.py")
     lines = ["", *file.read_text(encoding="utf-8").splitlines()]
