@@ -353,3 +353,23 @@ def test_what_has_gaps_is_judged_by_what_there_is(truth):
     assert found["angle_jump"] == found["marker_jump"] == "not checked"
     holes = [one for one in log.entries if not (isinstance(one, JointSample) and 8.0 < one.time < 8.5)]
     assert words(judged(replace(log, entries=tuple(holes))))["angle_jump"] == "ok"
+
+
+def test_half_way_between_reference_and_servo_is_right_and_a_marker_body_may_turn_to_either_side(
+    truth,
+):
+    half = 0.5 * (truth.joint_angle + truth.joint_angle_ref)
+    yaw = np.where(np.arange(len(truth.time)) < 600, 0.0, -math.radians(5.0))
+    log = log_of(truth, angle=half, yaw=yaw)
+    first = next(one for one in log.entries if isinstance(one, ReferenceSample))
+    entries = tuple(replace(one, frequency=0.0) if one is first else one for one in log.entries)
+    found = judged(replace(log, entries=entries))
+    assert found["joint_error"].share < 0.3
+    assert found["marker_jump"].value == pytest.approx(math.radians(5.0), abs=math.radians(0.5))
+    assert found["model_speed"].word == "ok"
+
+
+def test_without_a_model_half_of_the_swing_about_an_offset_may_be_missing(truth):
+    log = log_of(truth, angle=0.3 + 0.6 * truth.joint_angle_ref)
+    entries = [replace(one, angle=one.angle + 0.3) if isinstance(one, ReferenceSample) else one for one in log.entries]
+    assert judged(replace(log, entries=tuple(entries)), plant=None)["joint_error"].share < 0.2
