@@ -18,6 +18,10 @@ other packages, and its tests compare results to the last digits.
 mutants.csv has the last answer, file by file, and mutants_alive.csv the mutants that live: `equivalent` with the reason
 for which no test can tell them from the code (they are read from there and stay), `alive` without. The progress lies in
 build/mutants.jsonl. The tests run a slice, and ask whether every mutant that is called equivalent still exists.
+
+Last answer (2 shared cores, 2026-11-23; about an hour): supervisor and limits 263 of 263; estimation 1397 of 1436
+(97.3 %), of the 1402 that are not equivalent 99.6 %. Of the verdict a sample of 93 was tried, of which 64 are
+noticed (59 to 77 % of all): its limits are wide, and nothing is asked of it yet.
 """
 
 import argparse
