@@ -67,7 +67,6 @@ def main() -> None:
     lab: Any = subprocess.Popen([*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
         at = json.loads(lab.stdout.readline())
-        host, port = at["qtm"].split(":")
         what = Operation(
             name="timing",
             robot="mamba-modules",
@@ -79,11 +78,9 @@ def main() -> None:
             countdown=0.0,
             supply_voltage=35.0,
             connection=Connection(
-                can_channel="239.74.163.2",
-                can_port=43119,
-                mocap_host=host,
-                mocap_port=int(port),
-                meter_port=at["meter"],
+                bus_address="udp_multicast:239.74.163.2:43119",
+                mocap_address=at["qtm"],
+                meter_address=at["meter"],
             ),
             tank=CaptureVolume(volume_x=(-1.0, 11.0)),
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),

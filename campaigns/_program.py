@@ -119,7 +119,7 @@ def recorded(folder: Path, duration: float) -> None:
         rate=50.0,
         countdown=0.1,
         tank=CaptureVolume(volume_x=(-5.0, 11.0), volume_y=(-5.0, 5.0)),
-        connection=Connection(meter_port="stepped"),
+        connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
     )
@@ -165,7 +165,7 @@ def _operate(words: list[str]) -> int:
     settings = LabSettings(seed=2, nodes=NodeSettings(startup_time=0.1, calibration_time=0.1))
     with Lab(Tank(world, settings), bus=bus_address("virtual:kept"), port=0, speed=SLOWLY) as at:
         print("begun", flush=True)
-        where = f"--can virtual:kept --mocap {at.mocap_host}:{at.mocap_port} --meter {at.meter} --speed {SLOWLY}"
+        where = f"--bus virtual:kept --mocap {at.mocap_host}:{at.mocap_port} --meter {at.meter} --speed {SLOWLY}"
         return cli.main([*words, *where.split()])
 
 

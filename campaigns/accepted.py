@@ -83,7 +83,7 @@ def operation(chance: random.Random, fault: str) -> Operation:
         countdown=0.5,
         estimator="kinematics",
         tank=CaptureVolume(volume_x=(-3.0, 11.0)),
-        connection=Connection(meter_port="stepped"),
+        connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=2.0, patience=10.0),
     )

@@ -46,7 +46,7 @@ from laticauda.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState, Outputs
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers import Frame
 from laticauda.operate.loop import TankBus, TankCameras, TankDevices, run_loop
 from laticauda.operate.recording.log import OperationLog, OperationRecorder, Sink, read_operation
 from laticauda.operate.safety.supervisor import BY_EVENT
@@ -138,7 +138,7 @@ def schedule(chance: random.Random) -> tuple[Operation, tuple[Mishap, ...]]:
         rate=RATE,
         ramp=1.0,
         countdown=0.3,
-        connection=Connection(meter_port="stepped"),
+        connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         tank=CaptureVolume(volume_x=(-1.0, chance.choice([0.8, 11.0]))),
         calibration=Calibration(joint_zeros=True, idle_time=0.3, still_time=0.3, patience=8.0),
@@ -332,7 +332,7 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
     tank.world = world
     operator, path = Operator(operation=operation), folder / f"{seed}.mcap"
     devices = TankDevices(tank)
-    bus = devices.can = Bus(tank, devices.clock, world)
+    bus = devices.bus = Bus(tank, devices.clock, world)
     devices.mocap = Cameras(tank, devices.clock, world)
     watch = Watch(operator, tank, outcome)
     try:

@@ -47,7 +47,7 @@ def operated(operation: Operation, folder: Path) -> Result:
     world = VirtualRobot(robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading))
     twin = lc.plant(robot, operation.pool(), joints="servo")
     meter = "" if operation.supply_voltage is None else "stepped"
-    operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
+    operation = replace(operation, connection=replace(operation.connection, meter_address=meter))
     (folder / f"{operation.name}.mcap").unlink(missing_ok=True)  # of a run that was stopped or rejected
     return operate(operation, folder, tank=Tank(world, LabSettings(seed=seed)), twin=twin, frames=False)
 

@@ -58,7 +58,7 @@ def lab() -> tuple[subprocess.Popen[str], list[str]]:
     process = subprocess.Popen([*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     at = json.loads(process.stdout.readline())
-    return process, ["--can", at["bus"], "--mocap", at["qtm"], "--meter", at["meter"]]
+    return process, ["--bus", at["bus"], "--mocap", at["qtm"], "--meter", at["meter"]]
 
 
 def operate(folder: Path, wires: list[str], stop: signal.Signals | None, after: float) -> tuple[int, dict[str, Any]]:

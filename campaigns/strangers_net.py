@@ -112,7 +112,7 @@ OTHERS = {
     "optimize": "optimize --output OUT",
     "view": "view RUN --video OUT.mp4",
     "replay": "replay RUN --json",
-    "operate": f"operate TRIAL --can {BUS} --output OUT",
+    "operate": f"operate TRIAL --bus {BUS} --output OUT",
 }
 """Commands that should listen nowhere; they are looked at while they run, whatever comes of it."""
 

@@ -22,7 +22,7 @@ operation = Operation(
     following=Following(look_ahead_distance=0.18, gain=0.4, max_offset=radians(20)),
     duration=15.0,
     rate=50.0,
-    connection=Connection(meter_port="stepped"),
+    connection=Connection(meter_address="stepped"),
     supply_voltage=35.0,
     tank=CaptureVolume(volume_x=(-1.0, 11.0)),
     calibration=Calibration(joint_zeros=True),

@@ -56,7 +56,7 @@ def main() -> int:
             at = json.loads(tank.stdout.readline())
             print(f"the tank: {at}", flush=True)
             qtm = at["qtm"] if isinstance(at["qtm"], str) else ":".join(map(str, at["qtm"]))
-            words = ["operate", str(file), "--json", "--output", folder, "--can", BUS, "--mocap", qtm]
+            words = ["operate", str(file), "--json", "--output", folder, "--bus", BUS, "--mocap", qtm]
             words += ["--meter", at["meter"], "--speed", options.speed]
             done = subprocess.run([*command, *words], stdout=subprocess.PIPE, text=True)
         finally:

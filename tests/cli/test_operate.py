@@ -57,7 +57,7 @@ def trial(tmp_path: Path) -> str:
 
 def words(addresses) -> list[str]:
     mocap = f"{addresses.mocap_host}:{addresses.mocap_port}"
-    return ["--can", "virtual:cli-operate", "--mocap", mocap, "--meter", addresses.meter]
+    return ["--bus", "virtual:cli-operate", "--mocap", mocap, "--meter", addresses.meter]
 
 
 def test_a_trial_file_becomes_a_trial_a_recording_and_one_json_object(lab, trial, tmp_path, capsys):
@@ -102,8 +102,8 @@ def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_p
 def test_what_is_wrong_is_said_on_standard_error_with_status_2(trial, tmp_path, capsys):
     for args, message in (
         ([str(tmp_path / "no.toml")], "no such file"),
-        ([trial, "--mocap", "here"], "--mocap must be HOST:PORT, got 'here'"),
-        ([trial, "--can", "virtual:a", "--mocap", "127.0.0.1:1"], "motion capture at 127.0.0.1:1 cannot be reached"),
+        ([trial, "--mocap", "here"], "--mocap must be HOST:PORT, with a port from 1 to 65535, got 'here'"),
+        ([trial, "--bus", "virtual:a", "--mocap", "127.0.0.1:1"], "motion capture at 127.0.0.1:1 cannot be reached"),
         ([trial, "--speed", "0"], "--speed must be > 0"),
     ):
         assert main(["operate", *args]) == 2

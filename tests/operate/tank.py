@@ -10,7 +10,7 @@ import campaign_scripts
 import laticauda as lc
 from laticauda.estimation import Estimator
 from laticauda.operate import Decision, Event, Header, OperationRecorder, PowerReading
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers import Frame
 from laticauda.scenarios import Experiment
 
 ROOT = Path(__file__).parents[2]

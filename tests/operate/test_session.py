@@ -48,7 +48,7 @@ def operation(**changes) -> Operation:
         rate=50.0,
         countdown=0.1,
         tank=CaptureVolume(volume_x=(-1.0, 11.0)),
-        connection=Connection(meter_port="stepped"),
+        connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
         limits=PATIENT,
@@ -74,11 +74,9 @@ def is_limp(tank: Tank) -> bool:
 
 def at(addresses, channel: str) -> Connection:
     return Connection(
-        can_interface="virtual",
-        can_channel=channel,
-        mocap_host=addresses.mocap_host,
-        mocap_port=addresses.mocap_port,
-        meter_port=addresses.meter,
+        bus_address=f"virtual:{channel}",
+        mocap_address=f"{addresses.mocap_host}:{addresses.mocap_port}",
+        meter_address=addresses.meter,
     )
 
 
@@ -126,7 +124,7 @@ def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
 
 def test_devices_that_are_not_there_are_named_and_nothing_is_left_open(tmp_path: Path):
     threads = set(threading.enumerate())
-    what = operation(connection=Connection(can_interface="virtual", can_channel="x", mocap_port=1))
+    what = operation(connection=Connection(bus_address="virtual:x", mocap_address="127.0.0.1:1"))
     with pytest.raises(DeviceFailed, match=r"motion capture at 127\.0\.0\.1:1 cannot be reached"):
         operate(what, tmp_path)
     assert set(threading.enumerate()) <= threads
@@ -152,7 +150,7 @@ def test_a_killed_operator_leaves_a_robot_that_stops_by_itself(tmp_path: Path):
     try:
         assert lab.stdout is not None
         where = json.loads(lab.stdout.readline())
-        words = ["operate", str(file), "--no-dashboard", "--output", str(tmp_path), "--can", bus]
+        words = ["operate", str(file), "--no-dashboard", "--output", str(tmp_path), "--bus", bus]
         words += ["--mocap", where["qtm"], "--meter", where["meter"]]
         operator = subprocess.Popen([*PROGRAM, *words], stderr=subprocess.PIPE, text=True)
         assert operator.stderr is not None

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from laticauda import codec
 from laticauda.operate.settings import (
     Connection,
     Operation,
@@ -80,8 +81,12 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must be at least two points"),
         ("limits.max_current = 0", r"key `limits.max_current`: must be > 0 A, got 0"),
         ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
-        ("connection.can_interface = 'usb'", r"key `connection.can_interface`: must be one of `udp_multicast`"),
-        ("connection.mocap_port = 70000", r"key `connection.mocap_port`: must be between 1 and 65535, got 70000"),
+        ("connection.can_interface = 'usb'", r"key `connection.bus_address`: must be one of `virtual`, `udp_multicast`"),
+        ("connection.bus = 'cam'", r"key `connection.bus`: must be one of `can`.*, got 'cam'; did you mean `can`\?"),
+        ("connection.mocap = 'os'", r"key `connection.mocap`: must be one of `qtm`.*, got 'os'"),
+        ("connection.mocap_address = 'here'", r"key `connection.mocap_address`: must be HOST:PORT, .*, got 'here'"),
+        ("connection.stop_address = '/dev/ttyS0:tx'", r"key `connection.stop_address`: must be one of `cts`, `dsr`"),
+        ("connection.mocap_port = 70000", r"key `connection.mocap_address`: must be HOST:PORT, with a port from 1 to"),
         ("connection.meter_port = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
         ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         ("calibration.still_speed = 'fast'", r"key `calibration.still_speed`: must be a number in m/s, got 'fast'"),
@@ -158,18 +163,29 @@ def test_joints_that_cannot_bend_that_far_are_refused():
 
 def test_what_is_typed_replaces_what_holds_otherwise():
     usual = Connection(mocap_body="last-module")
-    found = usual.at(can="udp_multicast:239.1.2.3:4000", mocap="10.0.0.7:22225")
-    assert (found.can_channel, found.can_port, found.mocap_host, found.mocap_port) == (
-        "239.1.2.3",
-        4000,
-        "10.0.0.7",
-        22225,
-    )
+    found = usual.at(bus="udp_multicast:239.1.2.3:4000", mocap="qtm@10.0.0.7:22225")
+    assert found.of("bus") == ("can", "udp_multicast:239.1.2.3:4000")
+    assert found.of("mocap") == ("qtm", "10.0.0.7:22225")
     assert found.mocap_body == "last-module"
     assert usual.at() == usual
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ({"can_interface": "socketcan", "can_channel": "can1"}, {"bus_address": "socketcan:can1"}),
+        ({"can_channel": "239.1.2.3"}, {"bus_address": "udp_multicast:239.1.2.3:43113"}),
+        ({"can_port": 4000}, {"bus_address": "udp_multicast::4000"}),
+        ({"mocap_host": "10.0.0.7"}, {"mocap_address": "10.0.0.7:22223"}),
+        ({"mocap_port": 4, "mocap_body": "fish"}, {"mocap_address": "127.0.0.1:4", "mocap_body": "fish"}),
+        ({"meter_port": "/dev/ttyUSB0"}, {"meter_address": "/dev/ttyUSB0"}),
+    ],
+)
+def test_the_keys_of_older_files_are_addresses(old, new):
+    assert codec.decode(Connection, old) == Connection(**new)
+
+
 @pytest.mark.parametrize("text", ["10.0.0.7", ":22223", "here:there"])
 def test_a_motion_capture_without_host_or_port_is_refused(text):
-    with pytest.raises(ValueError, match=f"`mocap` must be HOST:PORT, got '{text}'"):
+    with pytest.raises(ValueError, match=f"`mocap` must be HOST:PORT, with a port from 1 to 65535, got '{text}'"):
         Connection().at(mocap=text)

@@ -89,7 +89,7 @@ WHAT = Operation(
     rate=25.0,
     estimator="kinematics",
     countdown=0.1,
-    connection=Connection(meter_port="there"),
+    connection=Connection(meter_address="there"),
     supply_voltage=35.0,
     calibration=Calibration(idle_time=0.2, still_time=0.3),
 )

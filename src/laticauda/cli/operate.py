@@ -32,10 +32,10 @@ class Operate(command.Command):
     no_dashboard: bool = option("Plain lines instead of the dashboard, as where there is no terminal", default=False)
     speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
     repeats: int | None = quantity("", "Of every setting of a series; the file's if left out", ge=1, default=None)
-    meter: str | None = option("Serial port of the power meter; the file's if left out", default=None)
+    bus: str | None = option("Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; or the file's", default=None)
+    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, such as 10.0.0.2:22223; or the file's", default=None)
+    meter: str | None = option("Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; or the file's", default=None)
     supply_voltage: float | None = quantity("V", "Of the meter's supply; the file's if left out", gt=0.0, default=None)
-    can: str | None = option("udp_multicast:GROUP:PORT, virtual:NAME, socketcan:can0; or the file's", default=None)
-    mocap: str | None = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
     def run(self) -> command.Outcome:
         """Operate."""
@@ -98,6 +98,6 @@ class Operate(command.Command):
 
     def _chosen(self, operation: settings.Operation) -> settings.Operation:
         """The file's operation, with what the options say otherwise."""
-        connection = operation.connection.at(can=self.can, mocap=self.mocap, meter=self.meter)
+        connection = operation.connection.at(bus=self.bus, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
         return replace(operation, connection=connection, supply_voltage=voltage)

@@ -61,8 +61,8 @@ LONGEST_WAIT = 0.1  # s; how long Ctrl-C and other threads wait at most
 class LabAddresses:
     """Where the lab is to be reached."""
 
-    bus: BusAddress
-    """The CAN bus."""
+    bus: BusAddress | Any
+    """The CAN bus, or what stands for it."""
     mocap_host: str
     """Of the cameras' server [-]."""
     mocap_port: int
@@ -76,20 +76,28 @@ class Lab:
 
     Args:
         tank: What is in it.
-        bus: The CAN bus on which its nodes are.
+        bus: The CAN bus on which its nodes are, or what stands for one: it sends, receives and closes like python-can's.
         host: Where the cameras' server listens; the default is this computer alone.
         port: Likewise; 0: any that is free.
         speed: Seconds of the lab for one second of ours.
+        server: What stands for the cameras' server, with its `start`, `publish` and `stop`; None: that of QTM.
     """
 
     def __init__(
-        self, tank: Tank, *, bus: BusAddress, host: str = LOOPBACK, port: int = qtm.PORT, speed: float = 1.0
+        self,
+        tank: Tank,
+        *,
+        bus: BusAddress | Any,
+        host: str = LOOPBACK,
+        port: int = qtm.PORT,
+        speed: float = 1.0,
+        server: Any = None,
     ) -> None:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
         """What the clock had to wait in all, because this computer could not follow [s]."""
         self._bus_address, self._wires = bus, ExitStack()
-        self._server = QtmServer(tank.settings.mocap.rate, host, port)
+        self._server = server or QtmServer(tank.settings.mocap.rate, host, port)
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
@@ -102,13 +110,14 @@ class Lab:
             LaticaudaError: If one of them cannot be opened; the message says which, and why.
         """
         with ExitStack() as wires:
-            self._bus = wires.enter_context(open_bus(self._bus_address))
+            bus = self._bus_address
+            self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
             wires.callback(self._server.stop)
             self._server.start()
             line = wires.enter_context(SerialLine(self._answer))
             self._wires = wires.pop_all()
         host, port = self._server.host, self._server.port
-        return LabAddresses(bus=self._bus_address, mocap_host=host, mocap_port=port, meter=line.path)
+        return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)
 
     def close(self) -> None:
         """Stop, and close all wires."""

@@ -15,8 +15,7 @@ import numpy as np
 from laticauda import estimation, lab, protocol
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
-from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers import KINDS, Bus, Clock, Frame, Meter, MotionCapture, StopInput
 from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.recording import entries, log, writer
 from laticauda.operate.settings import Connection
@@ -34,21 +33,25 @@ class Devices:
 
     clock: Clock
     """What stamps what comes in."""
-    can: "CanDriver | TankBus"
-    """The modules' bus."""
-    mocap: "MocapDriver | TankCameras"
+    bus: "Bus | TankBus"
+    """The modules'."""
+    mocap: "MotionCapture | TankCameras"
     """The cameras."""
-    meter: "MeterDriver | TankMeter | None"
+    meter: "Meter | TankMeter | None" = None
     """The power meter; None without one."""
+    stop: StopInput | None = None
+    """The emergency-stop input; None without one."""
 
     def receive(self) -> tuple[Inputs, tuple[Frame, ...]]:
         """Everything that came in since the last call, and the raw frames of the bus."""
-        frames = self.can.receive()
+        frames, events = self.bus.receive(), {"bus_off": self.bus.bus_off}
+        for why in () if self.stop is None else self.stop.receive():
+            events["emergency_input"] = why
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
             frames=self.mocap.receive(),
             readings=() if self.meter is None else self.meter.receive(),
-            events={"bus_off": self.can.bus_off} if self.can.bus_off else {},
+            events={event: why for event, why in events.items() if why},
         )
         return inputs, frames
 
@@ -71,11 +74,8 @@ def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
         MissingExtra: If a library is not installed.
     """
     with ExitStack() as stack:
-        can = stack.enter_context(CanDriver(connection.bus, clock))
-        cameras = connection.mocap_host, connection.mocap_port, connection.mocap_body
-        mocap = stack.enter_context(MocapDriver(*cameras, clock))
-        meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None
-        yield Devices(clock=clock, can=can, mocap=mocap, meter=meter)
+        there = (kind for kind in KINDS if connection.of(kind)[1])
+        yield Devices(clock=clock, **{kind: stack.enter_context(connection.opened(kind, clock)) for kind in there})
 
 
 def run_loop(
@@ -125,9 +125,9 @@ def run_loop(
             except Exception as failed:  # a fault of ours must not leave the robot swimming
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
-                    devices.can.send((protocol.EmergencyStop(reason=2),))
+                    devices.bus.send((protocol.EmergencyStop(reason=2),))
                     raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
-            sent = devices.can.send(outputs.messages)
+            sent = devices.bus.send(outputs.messages)
             if any(event.kind == "start" for event in outputs.events):
                 devices.begin_run()
             if clock.is_real:
@@ -254,4 +254,4 @@ class TankDevices(Devices):
     def __init__(self, tank: lab.Tank, *, has_meter: bool = True, clock: TankTime | None = None) -> None:
         wires = tank, clock or TankTime(tank)
         meter = TankMeter(*wires) if has_meter else None
-        super().__init__(clock=wires[1], can=TankBus(*wires), mocap=TankCameras(*wires), meter=meter)
+        super().__init__(clock=wires[1], bus=TankBus(*wires), mocap=TankCameras(*wires), meter=meter)

@@ -156,7 +156,7 @@ def operate(
         if tank is None:
             devices = stack.enter_context(loop.connected(operation.connection, clock or drivers.Clock()))
         else:
-            devices = loop.TankDevices(tank, has_meter=bool(operation.connection.meter_port))
+            devices = loop.TankDevices(tank, has_meter=bool(operation.connection.meter_address))
             longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
         if path is not None:
             files.local(path).parent.mkdir(parents=True, exist_ok=True)

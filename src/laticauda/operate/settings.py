@@ -23,6 +23,7 @@ everything else, with the path along its x axis in the paper's trials.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast
@@ -30,14 +31,22 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda import codec, control, estimation, files, gaits, interfaces, protocol, scenarios
-from laticauda.errors import BadArgument, LaticaudaError, hostname
+from laticauda import codec, control, estimation, files, gaits, interfaces, scenarios
+from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.estimation.samples import Offset
+from laticauda.operate import drivers
+from laticauda.protocol.can import GROUP, PORT
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water, load_robot
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
+FORMER: dict[str, dict[str, object]] = {
+    "bus_address": {"can_interface": "udp_multicast", "can_channel": "", "can_port": PORT},
+    "mocap_address": {"mocap_host": "127.0.0.1", "mocap_port": 22223},
+    "meter_address": {"meter_port": ""},
+}
+"""Keys of older files, whose values make an address, and what they were where they were left out."""
 
 
 @value
@@ -52,42 +61,73 @@ class Placement:
 
 @value
 class Connection:
-    """Where the devices are."""
+    """Which driver each device has, and where the device is; what its address looks like, the driver says.
 
-    can_interface: Literal["udp_multicast", "virtual", "socketcan"] = option("kind of bus", default="udp_multicast")
-    can_channel: str = option("its channel: a multicast address, any name, or can0", default="239.74.163.2")
-    can_port: int = quantity("", "UDP port of udp_multicast", ge=1, le=65535, default=43113)
-    mocap_host: str = option("motion capture's computer", default="127.0.0.1", check=hostname)
-    mocap_port: int = quantity("", "its port", ge=1, le=65535, default=22223)
+    `laticauda drivers` lists the drivers that there are, and tries one alone.
+    """
+
+    bus: str = option("driver of the modules' bus", default="can")
+    bus_address: str = option("where it is", default=f"udp_multicast:{GROUP}:{PORT}")
+    mocap: str = option("driver of the motion capture", default="qtm")
+    mocap_address: str = option("where it is", default="127.0.0.1:22223")
     mocap_body: str = option('name of the rigid body; "" takes the only one there is', default="")
-    meter_port: str = option('serial port of the power meter; "" for none', default="")
+    meter: str = option("driver of the power meter", default="fluke")
+    meter_address: str = option('where it is; "" for none', default="")
+    stop: str = option("driver of the emergency-stop input", default="serial-line")
+    stop_address: str = option('where it is; "" for none', default="")
 
-    @property
-    def bus(self) -> protocol.BusAddress:
-        """That of the modules."""
-        return protocol.BusAddress(interface=self.can_interface, channel=self.can_channel, port=self.can_port)
+    def __post_init__(self) -> None:
+        """Refuse drivers that nobody knows, and addresses that are none to them."""
+        for kind in drivers.KINDS:
+            name, address = self.of(kind)
+            if address or kind in ("bus", "mocap"):
+                drivers.driver_named(kind, name, address)
 
-    def at(self, *, can: str | None = None, mocap: str | None = None, meter: str | None = None) -> "Connection":
-        """The same with other addresses, as somebody types them.
+    def of(self, kind: str) -> tuple[str, str]:
+        """Driver and address of a device of this `kind`, one of `drivers.KINDS`."""
+        return getattr(self, kind), getattr(self, f"{kind}_address")
+
+    def opened(self, kind: str, clock: drivers.Clock) -> Any:
+        """The driver of a device, connected.
 
         Args:
-            can: The bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0; None: as it is.
-            mocap: The motion capture: HOST:PORT; None: as it is.
-            meter: Serial port of the power meter; None: as it is.
+            kind: One of `drivers.KINDS`.
+            clock: What stamps what comes in.
+
+        Raises:
+            DeviceFailed: If it cannot be reached; the message says what to check.
+            MissingExtra: If a library is not installed.
+        """
+        more = {"body": self.mocap_body} if kind == "mocap" else {}
+        return drivers.driver_named(kind, *self.of(kind))(self.of(kind)[1], clock, **more)
+
+    def at(self, **typed: str | None) -> "Connection":
+        """The same with other devices, as somebody types them.
+
+        Args:
+            typed: By kind: DRIVER@ADDRESS, or ADDRESS for the same driver; None: as it is.
 
         Raises:
             ValueError: If one is none.
         """
-        changes: dict[str, Any] = {} if meter is None else {"meter_port": meter}
-        if can is not None:
-            address = protocol.bus_address(can)
-            changes |= {"can_interface": address.interface, "can_channel": address.channel, "can_port": address.port}
-        if mocap is not None:
-            host, _, port = mocap.rpartition(":")
-            if not host or not port.isdigit():
-                raise BadArgument("mocap", f"must be HOST:PORT, got {mocap!r}")
-            changes |= {"mocap_host": host, "mocap_port": int(port)}
-        return replace(self, **changes)
+        changes: dict[str, str] = {}
+        for kind, text in typed.items():
+            name, _, address = (text or "").rpartition("@")
+            changes |= {} if text is None else {kind: name or self.of(kind)[0], f"{kind}_address": address}
+        try:
+            return replace(self, **changes)
+        except BadArgument as error:
+            raise BadArgument(error.name.removesuffix("_address"), error.rule) from None
+
+    @staticmethod
+    def former(table: Mapping[str, Any]) -> dict[str, Any]:
+        """A `table` of a file of version 0.1, whose keys were those of the only drivers."""
+        new = dict(table)
+        for key, old in FORMER.items():
+            if old.keys() & new.keys():
+                words = [str(new.pop(name, usual)) for name, usual in old.items()]
+                new.setdefault(key, ":".join(words[:2] if words[0] in ("virtual", "socketcan") else words))
+        return new
 
 
 @value
@@ -236,7 +276,7 @@ class Operation:
         """Check what depends on two fields, and the name."""
         if not self.name.replace("-", "").replace("_", "").isalnum():
             raise BadArgument("name", f"must be letters, digits, `-` and `_`, as in a file's name, got {self.name!r}")
-        if self.supply_voltage is None and self.connection.meter_port:
+        if self.supply_voltage is None and self.connection.meter_address:
             rule = "must be given in V beside a power meter, whose current it turns into power, got None"
             raise BadArgument("supply_voltage", rule)
 

@@ -31,7 +31,7 @@ def operation(**changes) -> Operation:
         rate=25.0,
         estimator="kinematics",
         countdown=0.1,
-        connection=Connection(meter_port="there"),
+        connection=Connection(meter_address="there"),
         supply_voltage=35.0,
         calibration=QUICK,
         limits=Limits(straighten_time=1.0),
@@ -234,7 +234,7 @@ def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():
 @pytest.mark.parametrize(
     ("rig", "message"),
     [
-        ({"dead": {4}}, r"Module 5 is not heard on udp_multicast .*check power, cable and node"),
+        ({"dead": {4}}, r"Module 5 is not heard on udp_multicast:.*check power, cable and node"),
         ({"hears": False}, r"No module is heard"),
         ({"sees": False}, r"The motion capture at 127\.0\.0\.1:22223 does not see a body"),
         ({"measures": False}, r"The power meter at there says nothing: check that it is on and connected"),

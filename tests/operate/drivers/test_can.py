@@ -3,10 +3,11 @@ import time
 import can
 import pytest
 
-from laticauda.operate.drivers import CanDriver, Clock, DeviceFailed
-from laticauda.protocol import BusAddress, Heartbeat, JointState, NodeState, References, Sync, to_frame
+from laticauda.operate.drivers import Clock, DeviceFailed
+from laticauda.operate.drivers.can import CanDriver
+from laticauda.protocol import Heartbeat, JointState, NodeState, References, Sync, to_frame
 
-VIRTUAL = BusAddress(interface="virtual", channel="test-can-driver")
+VIRTUAL = "virtual:test-can-driver"
 
 
 def waited(driver: CanDriver, n: int) -> list:
@@ -79,4 +80,4 @@ def test_a_controller_that_is_off_the_bus_says_so(other):
 
 def test_a_bus_that_is_not_there_says_what_to_check():
     with pytest.raises(DeviceFailed, match=r"socketcan:nocan9 cannot be opened.*ip link set can0 up type can bitrate"):
-        CanDriver(BusAddress(interface="socketcan", channel="nocan9"), Clock())
+        CanDriver("socketcan:nocan9", Clock())

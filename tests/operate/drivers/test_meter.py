@@ -3,7 +3,8 @@ import time
 import pytest
 
 from laticauda.lab.serving import SerialLine
-from laticauda.operate.drivers import Clock, DeviceFailed, MeterDriver
+from laticauda.operate.drivers import Clock, DeviceFailed
+from laticauda.operate.drivers.meter import MeterDriver
 from laticauda.protocol import MeterReading
 from laticauda.protocol.meter import DISPLAYED, IDENTITY, RESTART, displayed_text, encode_answer
 

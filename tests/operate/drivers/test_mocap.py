@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from laticauda.lab import BODY, QtmServer
-from laticauda.operate.drivers import Clock, DeviceFailed, MocapDriver
+from laticauda.operate.drivers import Clock, DeviceFailed
+from laticauda.operate.drivers.mocap import MocapDriver
 from laticauda.protocol import BodyPose, MocapFrame
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -31,7 +32,7 @@ def published(server: QtmServer, driver: MocapDriver, n: int) -> list:
 
 def test_the_vendors_client_streams_the_body_with_both_times(server):
     clock = Clock()
-    with MocapDriver(server.host, server.port, BODY, clock) as driver:
+    with MocapDriver(f"{server.host}:{server.port}", clock, BODY) as driver:
         found = published(server, driver, 9)
         assert driver.trouble == ""
     seen = [(arrival, frame) for arrival, frame in found if not frame.is_lost]
@@ -45,10 +46,10 @@ def test_the_vendors_client_streams_the_body_with_both_times(server):
 
 
 def test_the_only_body_needs_no_name_and_an_unknown_one_is_refused_with_what_there_is(server):
-    with MocapDriver(server.host, server.port, "", Clock()):
+    with MocapDriver(f"{server.host}:{server.port}", Clock(), ""):
         pass
     with pytest.raises(DeviceFailed, match=rf"has no body 'fish'; its bodies are: {BODY}"):
-        MocapDriver(server.host, server.port, "fish", Clock())
+        MocapDriver(f"{server.host}:{server.port}", Clock(), "fish")
 
 
 def test_a_server_that_is_not_there_says_what_to_check(server):
@@ -56,11 +57,11 @@ def test_a_server_that_is_not_there_says_what_to_check(server):
     with pytest.raises(
         DeviceFailed, match="cannot be reached: check that QTM runs there, and that its real-time server"
     ):
-        MocapDriver("127.0.0.1", server.port, "", Clock())
+        MocapDriver(f"127.0.0.1:{server.port}", Clock())
 
 
 def test_a_connection_that_breaks_is_told_and_made_again(server):
-    with MocapDriver(server.host, server.port, "", Clock()) as driver:
+    with MocapDriver(f"{server.host}:{server.port}", Clock(), "") as driver:
         assert published(server, driver, 2)
         server.stop()
         end = time.monotonic() + 5.0

@@ -72,15 +72,15 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
             if beat is None or not math.isfinite(modules.angle[k])
         ]
         which = "no module is heard" if len(silent) == modules.n else f"module {', '.join(silent)} is not heard"
-        missing.append(f"{which} on {connection.can_interface} {connection.can_channel}: check power, cable and node")
+        missing.append(f"{which} on {connection.bus_address}: check power, cable and node")
     if state.frame_time is None:
         body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"
         missing.append(
-            f"the motion capture at {connection.mocap_host}:{connection.mocap_port} does not see {body}: check that it "
-            "measures, and that the robot is within its volume"
+            f"the motion capture at {connection.mocap_address} does not see {body}: check that it measures, and that the "
+            "robot is within its volume"
         )
-    if connection.meter_port and state.reading is None:
-        missing.append(f"the power meter at {connection.meter_port} says nothing: check that it is on and connected")
+    if connection.meter_address and state.reading is None:
+        missing.append(f"the power meter at {connection.meter_address} says nothing: check that it is on and connected")
     if not missing:
         return _done(state, now, "connected", f"{modules.n} modules and the motion capture are heard")
     if _gone(state, now) > CONNECT_TIME:
@@ -131,7 +131,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
 
 def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
     """I_0: the mean while the robot is limp."""
-    if not operation.connection.meter_port:
+    if not operation.connection.meter_address:
         return _done(state, now, "measured", "no power meter: the run has no power")
     if _gone(state, now) < operation.calibration.idle_time:
         return state, ()

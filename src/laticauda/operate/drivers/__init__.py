@@ -1,12 +1,9 @@
-"""The devices: CAN bus, motion capture, power meter. Each has a thread, and no exception leaves it.
+"""The devices: modules' bus, motion capture, power meter, emergency-stop input. Each has a thread that no exception ends.
 
-A driver is connected when it has been made, or says why not; then it holds what came in for `receive`, says what is
-wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
+`base` says what a driver is, how one of your own is found, and what it has to do.
 """
 
-from laticauda.operate.drivers.can import CanDriver
-from laticauda.operate.drivers.meter import MeterDriver
-from laticauda.operate.drivers.mocap import MocapDriver
+from laticauda.operate.drivers.base import KINDS, Bus, Frame, Meter, MotionCapture, StopInput, driver_named
 from laticauda.protocol.worker import Clock, DeviceFailed
 
-__all__ = ["CanDriver", "Clock", "DeviceFailed", "MeterDriver", "MocapDriver"]
+__all__ = ["KINDS", "Bus", "Clock", "DeviceFailed", "Frame", "Meter", "MotionCapture", "StopInput", "driver_named"]

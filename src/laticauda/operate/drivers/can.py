@@ -4,10 +4,11 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
-from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, from_node, open_bus, to_frame
-from laticauda.protocol.worker import Clock, DeviceFailed, Worker
+from laticauda.operate.drivers.base import Bus, Frame
+from laticauda.protocol import BusFailed, CanMessage, bus_address, from_frame, from_node, open_bus, to_frame
+from laticauda.protocol.worker import Clock, DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # of the identifier of Linux' error frames
@@ -18,42 +19,26 @@ ADVICE = {
 }
 
 
-class Frame(NamedTuple):
-    """One frame that went over the bus."""
+class CanDriver(Bus):
+    """The CAN bus of `mamba.dbc`; the address is as `laticauda.protocol.bus_address` has it, such as socketcan:can0."""
 
-    time: float
-    """When it came or went, our clock [s]."""
-    identifier: int
-    """[-]."""
-    data: bytes
-    """[-]."""
-    is_ours: bool
-    """Whether we sent it."""
-    message: CanMessage | None
-    """What it says; None if it is none of our protocol."""
+    called = "can"
 
-
-class CanDriver(Worker[Frame]):
-    """The bus that the modules are on.
-
-    Args:
-        address: Which bus.
-        clock: What stamps the frames.
-
-    Raises:
-        DeviceFailed: If it cannot be opened.
-        MissingExtra: If python-can is not installed.
-    """
-
-    def __init__(self, address: BusAddress, clock: Clock) -> None:
-        super().__init__("can")
-        self._clock, self._send_trouble = clock, ""
-        self._is_off = False
+    def __init__(self, address: str, clock: Clock) -> None:
+        super().__init__(address, clock)
+        self._send_trouble, self._is_off = "", False
+        where = bus_address(address)
         try:
-            self._bus = open_bus(address)
+            self._bus = open_bus(where)
         except BusFailed as error:
-            raise DeviceFailed(f"{error} {ADVICE[address.interface].capitalize()}.") from error
+            raise DeviceFailed(f"{error} {ADVICE[where.interface].capitalize()}.") from error
         self._start()
+
+    @classmethod
+    def check(cls, address: str) -> None:
+        """See `Driver.check`."""
+        super().check(address)
+        bus_address(address)
 
     @property
     def bus_off(self) -> str:

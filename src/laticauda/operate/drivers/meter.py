@@ -8,29 +8,22 @@ import threading
 import time
 from typing import Any
 
+from laticauda.operate.drivers.base import Meter
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import ProtocolError, meter
-from laticauda.protocol.worker import Clock, DeviceFailed, Worker, hardware
+from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
 ANSWER_TIME = 1.0  # [s, wall clock]
 INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]
 
 
-class MeterDriver(Worker[PowerReading]):
-    """The multimeter.
+class MeterDriver(Meter):
+    """A multimeter of Fluke's; the address is its serial port, or a pseudo-terminal."""
 
-    Args:
-        port: Of the serial interface, or a pseudo-terminal.
-        clock: What stamps the readings.
+    called = "fluke"
 
-    Raises:
-        DeviceFailed: If the port cannot be opened, or what is there is no such meter.
-        MissingExtra: If pyserial is not installed.
-    """
-
-    def __init__(self, port: str, clock: Clock) -> None:
-        super().__init__("meter")
-        self._port, self._clock = port, clock
+    def __init__(self, address: str, clock: Clock) -> None:
+        super().__init__(address, clock)
         self._serial = hardware("pyserial", "serial")
         self._line: Any = None
         self._restart = threading.Event()
@@ -41,7 +34,7 @@ class MeterDriver(Worker[PowerReading]):
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
             raise DeviceFailed(
-                f"The power meter at {port} does not answer ({error}): check that it is on, that it shows A DC, and "
+                f"The power meter at {address} does not answer ({error}): check that it is on, that it shows A DC, and "
                 "the name of the port."
             ) from error
         self._start()
@@ -69,7 +62,7 @@ class MeterDriver(Worker[PowerReading]):
     def _query(self, word: str, *, has_data: bool = True) -> str:
         """The answer's line of data."""
         if self._line is None:
-            self._line = self._serial.Serial(self._port, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
+            self._line = self._serial.Serial(self._address, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
         self._line.reset_input_buffer()
         self._line.write(meter.encode_question(word))
         reader, lines, end = meter.LineReader(), list[str](), time.monotonic() + ANSWER_TIME

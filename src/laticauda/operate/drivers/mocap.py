@@ -12,8 +12,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from laticauda.estimation import PoseSample
+from laticauda.operate.drivers.base import MotionCapture, host_and_port
 from laticauda.protocol.qtm import BodyPose, body_pose
-from laticauda.protocol.worker import Clock, DeviceFailed, Worker, hardware
+from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
 CONNECT_TIME = 5.0  # [s, wall clock]
 LOST = np.full(3, np.nan)
@@ -32,25 +33,13 @@ def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
     return PoseSample(time=time, position=pose.position, rotation=pose.rotation, residual=residual)
 
 
-class MocapDriver(Worker[tuple[float, PoseSample]]):
-    """The rigid body on the robot, as the cameras see it; tank frame, the cameras' clock, with the time of arrival.
+class MocapDriver(MotionCapture):
+    """A rigid body of QTM's; the address is HOST:PORT, the port that for the least significant byte first."""
 
-    A connection that breaks is made again.
+    called = "qtm"
 
-    Args:
-        host: Address of the computer that measures.
-        port: Its port for the least significant byte first.
-        body: Name of the rigid body; "" takes the only one there is.
-        clock: What stamps the arrivals.
-
-    Raises:
-        DeviceFailed: If it cannot be reached, or has no such body.
-        MissingExtra: If qtm_rt is not installed.
-    """
-
-    def __init__(self, host: str, port: int, body: str, clock: Clock) -> None:
-        super().__init__("mocap")
-        self._address, self._body, self._clock = (host, port), body, clock
+    def __init__(self, address: str, clock: Clock, body: str = "") -> None:
+        super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
         logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
         self._index = 0  # place of the body in the server's list
@@ -58,9 +47,14 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         self._ready = threading.Event()
         self._start()
         if not self._ready.wait(CONNECT_TIME + 2.0) or self._first is not None:
-            failed = self._first or DeviceFailed(f"The motion capture at {host}:{port} does not answer.")
+            failed = self._first or DeviceFailed(f"The motion capture at {address} does not answer.")
             self.close()
             raise failed
+
+    @classmethod
+    def check(cls, address: str) -> None:
+        """See `Driver.check`."""
+        host_and_port(address)
 
     def work(self) -> None:
         """One connection, from its begin to its end."""
@@ -69,13 +63,13 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         except Exception as error:
             if not self._ready.is_set():  # the first error is for who made this driver
                 known = isinstance(error, DeviceFailed)
-                where = f"{self._address[0]}:{self._address[1]}"
-                self._first = error if known else DeviceFailed(f"The motion capture at {where} fails: {error!r}.")
+                said = f"The motion capture at {self._address} fails: {error!r}."
+                self._first = error if known else DeviceFailed(said)
                 self._ready.set()
             raise
 
     async def _connected(self) -> None:
-        host, port = self._address
+        host, port = host_and_port(self._address)
         gone = asyncio.Event()
 
         def left(_: object) -> None:
@@ -85,7 +79,7 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         link: Any = await asyncio.wait_for(asked, CONNECT_TIME)
         if link is None:
             raise DeviceFailed(
-                f"The motion capture at {host}:{port} cannot be reached: check that QTM runs there, and that its "
+                f"The motion capture at {self._address} cannot be reached: check that QTM runs there, and that its "
                 "real-time server has this port."
             )
         try:
@@ -103,7 +97,7 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
                 link.disconnect()
                 await asyncio.sleep(0.0)  # lets the transport close
         if gone.is_set() and not self._ended.is_set():
-            raise DeviceFailed(f"the motion capture at {host}:{port} closed the connection")
+            raise DeviceFailed(f"the motion capture at {self._address} closed the connection")
 
     async def _find_body(self, link: Any) -> None:
         """The place of the body in the list."""

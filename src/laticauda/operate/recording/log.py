@@ -20,7 +20,7 @@ from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance, not_negative
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.kinematics import to_quaternion, turn
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording import entries
 from laticauda.operate.recording.entries import Decision, Entry, Event, Header, PowerReading, Tick, Timing
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from laticauda.errors import LaticaudaError, StorageFailed
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording.entries import Entry, Header
 from laticauda.operate.recording.log import OperationRecorder, Sink
 

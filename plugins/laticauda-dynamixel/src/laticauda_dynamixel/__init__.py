@@ -1,0 +1,1 @@
+"""Robots with Dynamixel servos for laticauda."""

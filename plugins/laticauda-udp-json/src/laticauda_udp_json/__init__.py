@@ -1,0 +1,1 @@
+"""Motion capture for laticauda: one JSON object per UDP datagram."""

@@ -1,0 +1,33 @@
+"""A short whole trial in a virtual tank, for the tests of the drivers."""
+
+import math
+
+import laticauda as lc
+from laticauda import lab
+from laticauda.operate.session import operate
+from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation
+
+# A computer that is busy with other tests is late; that is not what is tested here.
+PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
+
+
+def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):
+    """Operate the robot in a tank, whose other devices are those of laticauda."""
+    with served as at:
+        here = Connection(mocap_address=f"{at.mocap_host}:{at.mocap_port}", mocap_body=lab.BODY)
+        operation = Operation(
+            name="whole",
+            gait=lc.lateral_undulation(
+                amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40)
+            ),
+            duration=2.0,
+            rate=20.0,
+            countdown=0.1,
+            tank=CaptureVolume(volume_x=(-1.0, 11.0)),
+            connection=here.at(**{"bus": bus} if bus else {}, **{"mocap": mocap} if mocap else {}),
+            calibration=Calibration(joint_zeros=True, idle_time=0.2, still_time=0.5),
+            limits=PATIENT,
+            acceptance=Acceptance(water_speed=0.1),  # it is still for a moment only
+            **more,
+        )
+        return operate(operation, folder)

@@ -1,0 +1,59 @@
+"""An emergency-stop button on a modem line of a serial port, by pyserial.
+
+The contact, closed while the robot may move, lies between RTS, which is high while the port is open, and the line.
+"""
+
+# pyserial has no types: this module hands texts on.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+import contextlib
+from typing import Any
+
+from laticauda.errors import one_of
+from laticauda.operate.drivers.base import StopInput
+from laticauda.protocol.worker import Clock, DeviceFailed, hardware
+
+LOOKS = 0.005  # time between two [s, wall clock]
+LINES = ("cts", "dsr", "cd", "ri")
+
+
+class SerialLine(StopInput):
+    """A modem line; the address is PORT or PORT:LINE, such as /dev/ttyUSB1:cts, the usual line."""
+
+    def __init__(self, address: str, clock: Clock) -> None:
+        super().__init__(address, clock)
+        port, name = self._parts(address)
+        self._name, self._serial = name, hardware("pyserial", "serial")
+        self._port: Any = None
+        try:
+            self._port = self._serial.Serial(port)
+            getattr(self._port, name)
+        except (OSError, ValueError) as error:
+            self.release()
+            raise DeviceFailed(
+                f"The emergency-stop input at {address} cannot be read ({error}): check the name of the port, and that "
+                "it has modem lines."
+            ) from error
+        self._start()
+
+    @classmethod
+    def check(cls, address: str) -> None:
+        """See `Driver.check`."""
+        super().check(address)
+        one_of("address", cls._parts(address)[1], LINES)
+
+    @staticmethod
+    def _parts(address: str) -> tuple[str, str]:
+        port, _, line = address.partition(":")
+        return port, line or LINES[0]
+
+    def look(self) -> str:
+        """See `StopInput.look`."""
+        self._ended.wait(LOOKS)
+        return "" if getattr(self._port, self._name) else f"its contact on {self._name.upper()} is open"
+
+    def release(self) -> None:
+        """Close the port."""
+        if self._port is not None:
+            with contextlib.suppress(Exception):
+                self._port.close()
