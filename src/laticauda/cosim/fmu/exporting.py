@@ -9,13 +9,14 @@ import io
 import math
 import os
 import time
+import tomllib
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
-from typing import Unpack, cast
+from typing import Any, Unpack, cast
 from uuid import UUID
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -127,21 +128,10 @@ def _zipped(content: dict[str, bytes]) -> bytes:
 
 # ---- what an FMU says about itself ----------------------------------------------------------------------------------
 
-# Name, exponents of kg, m, s and rad.
-UNITS = {
-    "1": (0, 0, 0, 0),
-    "rad": (0, 0, 0, 1),
-    "rad/s": (0, 0, -1, 1),
-    "m": (0, 1, 0, 0),
-    "m/s": (0, 1, -1, 0),
-    "s": (0, 0, 1, 0),
-    "kg/m3": (1, -3, 0, 0),
-    "N.m": (1, 2, -2, 0),
-    "N.m2": (1, 3, -2, 0),
-    "W": (1, 2, -3, 0),
-    "J": (1, 2, -2, 0),
-}
-DEGREES = {"rad": "deg", "rad/s": "deg/s"}
+_TOLD: Any = tomllib.loads((HERE / "units.toml").read_text(encoding="utf-8"))
+UNITS: Mapping[str, Sequence[int]] = _TOLD["units"]
+"""Exponents of kg, m, s and rad."""
+DEGREES: Mapping[str, str] = _TOLD["degrees"]
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
 VERSIONS = ("2.0", "3.0")
 VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "continuous", "output": "continuous"}

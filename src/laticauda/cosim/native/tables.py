@@ -206,27 +206,17 @@ def tables_in_c(tables: Tables, guid: str) -> str:
         guid: What tells this FMU from others.
     """
     variables = tables.variables
-    texts = ", ".join(f'"{variable.name}"' for variable in variables)
-    letters = ", ".join(f"'{LETTERS[variable.causality]}'" for variable in variables)
-    return "\n".join(
-        (
-            "/* Written by laticauda: the numbers of one robot. */",
-            "#include <math.h>",
-            "#include <stdint.h>",
-            f'#define MODEL "{guid}"',
-            f"#define DIGEST UINT64_C(0x{hashlib.sha256(guid.encode()).hexdigest()[:16]})",
-            f"#define N_VARIABLES {len(variables)}",
-            f"#define N_NUMBERS {tables.n_rows + entry.SCRATCH}",
-            f"#define DT {tables.whole[entry.DT]}",
-            f"static const int64_t whole[] = {{{', '.join(map(str, tables.whole.tolist()))}}};",
-            f"static const double real[] = {{{_reals(tables.real)}}};",
-            f"static const double first_values[N_VARIABLES] = {{{_reals(v.start for v in variables)}}};",
-            f"static const double least[N_VARIABLES] = {{{_reals(v.least for v in variables)}}};",
-            f"static const double most[N_VARIABLES] = {{{_reals(v.most for v in variables)}}};",
-            f"static const char causality[N_VARIABLES] = {{{letters}}};",
-            f"static const char *const names[N_VARIABLES] = {{{texts}}};",
-            "",
-        )
+    return Template((FOLDER.parent / "tables.h.in").read_text(encoding="utf-8")).substitute(
+        guid=guid,
+        digest=hashlib.sha256(guid.encode()).hexdigest()[:16],
+        n_variables=len(variables),
+        n_numbers=tables.n_rows + entry.SCRATCH,
+        dt=tables.whole[entry.DT],
+        whole=", ".join(map(str, tables.whole.tolist())),
+        real=_reals(tables.real),
+        causality=", ".join(f"'{LETTERS[variable.causality]}'" for variable in variables),
+        names=", ".join(f'"{variable.name}"' for variable in variables),
+        **{name: _reals(getattr(variable, name) for variable in variables) for name in ("start", "least", "most")},
     )
 
 

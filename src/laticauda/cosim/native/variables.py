@@ -1,9 +1,11 @@
 """The variables of an FMU: what another tool may set and see, and behind which rows of the kernels each one stands."""
 
 import math
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, cast
 
 import laticauda as lc
@@ -14,23 +16,10 @@ from laticauda.quantities import quantities_of
 
 Shares = tuple[tuple[int, float], ...]
 Ends = tuple[float, float]
-_Line = tuple[str, str, str, float, int, int | None, str]
 FAR = 1e5  # m and rad, as for `Start`
 TINY = 1e-9  # of what must be positive
-
-# Of the numbers of a wave: field, unit, symbol, least value, row, the row of a filter that follows it, and text.
-GAIT: Sequence[_Line] = (
-    ("amplitude", "rad", "alpha", 0.0, rows.AMPLITUDE, rows.AMPLITUDE_NOW, "Amplitude of the joints."),
-    ("frequency", "rad/s", "omega", 0.0, rows.FREQUENCY, rows.FREQUENCY_NOW, "Angular frequency."),
-    ("phase_shift", "rad", "delta", -FAR, rows.PHASE_SHIFT, rows.PHASE_SHIFT_NOW, "Between neighboring joints."),
-    ("offset", "rad", "phi_0", -FAR, rows.OFFSET, None, "Of every joint; positive turns left."),
-)
-FIN: Sequence[_Line] = (
-    ("amplitude", "rad", "", 0.0, rows.FIN_AMPLITUDE, rows.FIN_AMPLITUDE_NOW, "Amplitude of the driven fin."),
-    ("frequency", "rad/s", "", 0.0, rows.FIN_FREQUENCY, rows.FIN_FREQUENCY_NOW, "Angular frequency of the fin."),
-    ("offset", "rad", "", -FAR, rows.FIN_OFFSET, None, "Offset of the fin."),
-    ("phase", "rad", "", -FAR, rows.FIN_LEAD, None, "How far the fin is ahead of the tail-most joint."),
-)
+LIKE: Mapping[str, Sequence[Sequence[Any]]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+"""Variables that are declared alike."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,8 +62,8 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
     water = plant.environment
     assert isinstance(water, lc.Water)
     if inputs == "gait":
-        fin = _wave("fin", gait.fin, FIN) if 0 in plant.robot.fin_joints else ()
-        driven = (*_generator(plant, gait), *_wave("gait", gait, GAIT), *fin)
+        fin = _wave("fin", gait.fin) if 0 in plant.robot.fin_joints else ()
+        driven = (*_generator(plant, gait), *_wave("gait", gait), *fin)
     else:
         driven = _references(plant)
     clock = "Largest step of the integration; each communication step is cut into equal ones."
@@ -131,14 +120,7 @@ def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
 
 
 def _water(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
-    for name, unit, symbol, least, text in (
-        ("density", "kg/m3", "rho", TINY, "Density of the water."),
-        ("tangential_friction", "1", "C_f", 0.0, "Drag along the body."),
-        ("normal_drag", "1", "C_D", 0.0, "Drag across the body."),
-        ("added_mass", "1", "C_A", 0.0, "Added mass across the body."),
-        ("added_inertia", "1", "C_M", 0.0, "Added moment of inertia."),
-        ("tangential_added_mass", "1", "C_T", 0.0, "Added mass along the body."),
-    ):
+    for name, unit, symbol, least, text in LIKE["water"]:
         value: float = getattr(water, name)
         yield _parameter(f"water.{name}", unit, symbol, value, (least, math.inf), text, coefficient=name)
     yield from _law("water.drag", water.drag, rows.LAW)
@@ -176,12 +158,12 @@ def _generator(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
         yield _parameter(name, "1", "g", g, (-math.inf, math.inf), text, rows=share)
 
 
-def _wave(prefix: str, wave: lc.Gait | lc.Wave | None, lines: Sequence[_Line]) -> Iterator[Variable]:
+def _wave(prefix: str, wave: lc.Gait | lc.Wave | None) -> Iterator[Variable]:
     """The numbers of a wave; those that a filter follows are there at once at the start."""
-    for name, unit, symbol, least, row, now, text in lines:
-        first = () if now is None else ((now, 1.0),)
+    for name, unit, symbol, least, row, now, text in LIKE[prefix]:
+        first = ((getattr(rows, now), 1.0),) if now else ()
         value = 0.0 if wave is None else getattr(wave, name)
-        yield _input(f"{prefix}.{name}", unit, symbol, value, (least, FAR), text, row, start_rows=first)
+        yield _input(f"{prefix}.{name}", unit, symbol, value, (least, FAR), text, getattr(rows, row), start_rows=first)
 
 
 def _references(plant: PlanarPlant) -> Iterator[Variable]:
@@ -207,12 +189,8 @@ def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
 
 
 def _motion() -> Iterator[Variable]:
-    for name, row in (("x", rows.X), ("y", rows.Y)):
-        yield _output(f"center_of_mass.{name}", "m", f"p_{name}", "Center of mass, fin included.", (row, 1.0))
-    for name, row in (("x", rows.VX), ("y", rows.VY)):
-        yield _output(f"center_of_mass_velocity.{name}", "m/s", f"p'_{name}", "Its velocity.", (row, 1.0))
-    yield _output("heading", "rad", "theta", "Mean angle of the links, unwrapped.", (rows.HEADING, 1.0))
-    yield _output("heading_rate", "rad/s", "theta'", "Its rate.", (rows.HEADING_RATE, 1.0))
+    for *shown, row in LIKE["motion"]:
+        yield _output(*shown, (getattr(rows, row), 1.0))
 
 
 def _links(plant: PlanarPlant) -> Iterator[Variable]:
@@ -246,18 +224,11 @@ def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _power(plant: PlanarPlant) -> Iterator[Variable]:
-    kinds = [
-        ("mechanical", rows.POWER_ABSOLUTE, rows.WORK_ABSOLUTE, "Sum of |u_i phi'_i|"),
-        ("net", rows.POWER_NET, rows.WORK_NET, "Sum of u_i phi'_i"),
-        ("positive", rows.POWER_POSITIVE, rows.WORK_POSITIVE, "Sum of max(u_i phi'_i, 0)"),
-    ]
-    if robot.has_power_model(plant.robot, plant.joints):
-        text = "Electrical power above idle"
-        kinds.append(("electrical", rows.POWER_ELECTRICAL, rows.WORK_ELECTRICAL, text))
-    for name, power, _, text in kinds:
-        yield _output(f"{name}_power", "W", "P", f"{text}, at this moment.", (power, 1.0))
-    for name, _, work, text in kinds:
-        yield _output(f"{name}_work", "J", "", f"{text}, since the start.", (work, 1.0))
+    kinds = LIKE["power"][: 3 + robot.has_power_model(plant.robot, plant.joints)]
+    for name, text, power, _ in kinds:
+        yield _output(f"{name}_power", "W", "P", f"{text}, at this moment.", (getattr(rows, power), 1.0))
+    for name, text, _, work in kinds:
+        yield _output(f"{name}_work", "J", "", f"{text}, since the start.", (getattr(rows, work), 1.0))
 
 
 def _records(plant: PlanarPlant) -> Sequence[int]:

@@ -87,9 +87,7 @@ def broken(
     return tuple(_broken(Connection(mocap_body=body), kind, device, absent, duration, moves))
 
 
-def _broken(
-    usual: Connection, kind: str, device: str, absent: str, duration: float, moves: bool
-) -> Iterator[str]:
+def _broken(usual: Connection, kind: str, device: str, absent: str, duration: float, moves: bool) -> Iterator[str]:
     threads, clock = set(threading.enumerate()), Clock()
     with usual.at(**{kind: device}).opened(kind, clock) as driver:
         found, longest = listen(driver, clock, duration)
@@ -163,7 +161,9 @@ def _mocap(driver: Any, clock: Clock, found: list[Any], duration: float, moves: 
         yield "the times of poses must grow"
     for pose in found:
         turned = pose.rotation
-        if turned is not None and not (np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) and np.linalg.det(turned) > 0):
+        if turned is not None and not (
+            np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) and np.linalg.det(turned) > 0
+        ):
             yield f"a rotation must be one, got {turned.tolist()}"
             return
 

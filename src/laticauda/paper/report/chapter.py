@@ -1,9 +1,11 @@
 """What the chapters of the paper's report share: its templates, and how figures are called in them."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, partial
-from typing import Any
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, partial, reduce
+from importlib.resources import files
+from typing import Any, cast
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.efficiency import EfficiencyStudy
@@ -57,6 +59,42 @@ def degrees(angle: float) -> float:
         [deg, or deg/s].
     """
     return round(math.degrees(angle), 9)
+
+
+def row(table: str, thing: object) -> Row:
+    """The columns of `columns.toml` for one row, or a part of it.
+
+    Args:
+        table: Its name there.
+        thing: What the row is of; of a mapping, what it holds.
+    """
+    found: Row = {}
+    for title, way in _columns()[table].items():
+        path, _, unit = way.partition(" ")
+        value: Any = reduce(_inside, path.split("."), thing)
+        found[title] = None if value is None and unit != "words" else _SHOWN[unit](value)
+    return found
+
+
+@cache
+def _columns() -> Mapping[str, Mapping[str, str]]:
+    return tomllib.loads(files("laticauda.paper.report").joinpath("columns.toml").read_text(encoding="utf-8"))
+
+
+def _inside(thing: Any, name: str) -> Any:
+    """What a thing holds; of a mapping or a sequence by key or place, and None where there is no thing."""
+    if thing is None or name.isdecimal():
+        return thing and thing[int(name)]
+    return cast("Any", thing)[name] if isinstance(thing, Mapping) else getattr(thing, name)
+
+
+_SHOWN: Mapping[str, Callable[[Any], Any]] = {
+    "": lambda value: value,
+    "deg": lambda angle: degrees(angle),
+    "%": lambda share: 100.0 * share,
+    "words": lambda name: (name or "").replace("_", " "),
+    "count": len,
+}
 
 
 def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles: Mapping[str, str]) -> list[Row]:

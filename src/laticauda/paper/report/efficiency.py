@@ -4,11 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from laticauda.gaits import Gait
 from laticauda.paper.claims.quantities import best_null, fin_by_gait
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, SweepResult, maxima
 from laticauda.paper.measured import percent_change
-from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter, row
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter, Row
@@ -65,15 +64,7 @@ def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list
         "fin-gain": _fin(study),
         "errors": error_rows(study, "numbers fitted here", titles),
         "sweeps": _sweeps(study),
-        **({"repeats": [_repeat(repeat) for repeat in repeats]} if repeats else {}),
-    }
-
-
-def _setting(gait: Gait) -> Row:
-    return {
-        "amplitude [deg]": degrees(gait.amplitude),
-        "frequency [deg/s]": degrees(gait.frequency),
-        "phase shift [deg]": degrees(gait.phase_shift),
+        **({"repeats": [row("repeats", repeat) for repeat in repeats]} if repeats else {}),
     }
 
 
@@ -81,29 +72,24 @@ def _table1(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for case in study.cases:
         measured = case.measured.forward_velocity
-        row: Row = {"group": case.group.name, "case": case.measured.case, **_setting(case.measured.gait)}
-        row["fastest over"] = (case.measured.starred or "").replace("_", " ")
-        row["measured: v [m/s]"] = measured
-        row["measured: electrical power [W]"] = case.measured.mean_power
+        found = row("table1", case)
         for name, velocity, power in zip(study.models, case.forward_velocity, case.mechanical_power, strict=True):
-            row[f"{name}: v [m/s]"] = velocity
-            row[f"{name}: error [%]"] = None if measured is None else percent_change(measured, velocity)
-            row[f"{name}: mechanical power [W]"] = power
-        rows.append(row)
+            found[f"{name}: v [m/s]"] = velocity
+            found[f"{name}: error [%]"] = None if measured is None else percent_change(measured, velocity)
+            found[f"{name}: mechanical power [W]"] = power
+        rows.append(found)
     return rows
 
 
 def _maxima(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for entry in maxima(study):
-        row: Row = {"group": entry.group.name, "over": entry.parameter.replace("_", " ")}
-        row["measured: fastest at [deg, deg/s]"] = degrees(entry.measured_at)
-        row["measured: v [m/s]"] = entry.measured_velocity
+        found = row("maxima", entry)
         for i, name in enumerate(study.models):
-            row[f"{name}: fastest at [deg, deg/s]"] = degrees(entry.simulated_at[i])
-            row[f"{name}: at the end of the range"] = entry.at_the_end[i]
-            row[f"{name}: v [m/s]"] = entry.simulated_velocity[i]
-        rows.append(row)
+            found[f"{name}: fastest at [deg, deg/s]"] = degrees(entry.simulated_at[i])
+            found[f"{name}: at the end of the range"] = entry.at_the_end[i]
+            found[f"{name}: v [m/s]"] = entry.simulated_velocity[i]
+        rows.append(found)
     return rows
 
 
@@ -112,7 +98,7 @@ def _fin(study: EfficiencyStudy) -> list[Row]:
     for gain in fin_gains(study.cases):
         speeds = [gain.simulated(lambda case, i=i: case.forward_velocity[i]) for i in range(len(study.models))]
         simulated = {f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)}
-        rows.append(fin_row(gain.measured, _setting(gain.with_fin.measured.gait), simulated, {}))
+        rows.append(fin_row(gain.measured, row("setting", gain.with_fin.measured.gait), simulated, {}))
     return rows
 
 
@@ -132,19 +118,6 @@ def _sweeps(study: EfficiencyStudy) -> list[Row]:
         for m, model in enumerate(study.models)
         for i, value in enumerate(sweep.values)
     ]
-
-
-def _repeat(repeat: Repeat) -> Row:
-    (velocity, deviation), (power, power_deviation) = repeat.velocity, repeat.power or (None, None)
-    return {
-        "group": repeat.group,
-        **_setting(repeat.gait),
-        "trials": len(repeat.forward_velocity),
-        "v: mean [m/s]": velocity,
-        "v: deviation [m/s]": deviation,
-        "electrical power: mean [W]": power,
-        "electrical power: deviation [W]": power_deviation,
-    }
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------

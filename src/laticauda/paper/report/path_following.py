@@ -10,7 +10,7 @@ from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
-from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.report.chapter import error_rows, fin_row, misprinted, paper_chapter, row
 from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
 from laticauda.reports.chapter import Chapter, Row
 
@@ -189,7 +189,8 @@ def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     cases = study.cases
     return {
         "following-trials": [
-            _case(case) | {"figure": case.figure} | _initial(case) | _figures(case.run) for case in cases
+            row("case", case) | {"figure": case.figure} | row("start", case) | row("figures", case.run)
+            for case in cases
         ],
         "table2": [_table2(case) for case in cases],
         "following-loop": [_loop(case) for case in cases],
@@ -200,59 +201,19 @@ def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     }
 
 
-def _case(case: FollowingCase) -> Row:
-    return {"group": case.group.name, "case": case.measured.case}
-
-
-def _initial(case: FollowingCase) -> Row:
-    heading = degrees(case.measured.initial_heading)
-    return {"start: p_y [m]": case.measured.initial_cross_track_error, "start: heading [deg]": heading}
-
-
-def _figures(run: FollowingRun) -> Row:
-    figures = run.figures
-    share = figures["saturated_share"]
-    return {
-        "run [s]": run.duration,
-        "converged after [s]": figures["convergence_time"],
-        "converged after [m]": figures["convergence_distance"],
-        "overshoot [m]": figures["overshoot"],
-        "rms error [m]": figures["steady_error"],
-        "ripple [m]": figures["ripple"],
-        "offset at its limit [%]": None if share is None else 100.0 * share,
-        "last third: mean error [m]": figures["last_third_error"],
-        "last third: rms error [m]": run.last_third_rms,
-        "last third: largest error [m]": run.last_third_largest,
-    }
-
-
 def _table2(case: FollowingCase) -> Row:
-    measured, band = case.measured.forward_velocity, [run.forward_velocity for run in case.band]
-    return {
-        **_case(case),
-        **_initial(case),
-        "measured: v [m/s]": measured,
-        "simulated: v [m/s]": case.run.forward_velocity,
-        "error [%]": percent_change(measured, case.run.forward_velocity),
-        "band: lowest v [m/s]": min(band),
-        "band: highest v [m/s]": max(band),
-        "measured v in the band": case.is_in_band,
-        "measured: electrical power [W]": case.measured.mean_power,
-        "simulated: mechanical power [W]": case.run.mechanical_power,
-    }
+    speeds = [run.forward_velocity for run in case.band]
+    error = percent_change(case.measured.forward_velocity, case.run.forward_velocity)
+    known = {"case": case, "error": error, "low": min(speeds), "high": max(speeds)}
+    return row("case", case) | row("start", case) | row("table2", known)
 
 
 def _loop(case: FollowingCase) -> Row:
-    row = _case(case) | {"unsteered: steady v [m/s]": case.free_velocity}
+    found = row("case", case) | {"unsteered: steady v [m/s]": case.free_velocity}
     for heading, run in (("raw", case.run), ("cycle mean", case.cycle_mean)):
-        row |= {
-            f"{heading}: v [m/s]": run.forward_velocity,
-            f"{heading}: steady v [m/s]": run.steady_velocity,
-            f"{heading}: change from unsteered [%]": case.change_by_the_loop(run),
-            f"{heading}: swing of the offset [deg]": math.degrees(run.offset_swing),
-            f"{heading}: largest error in the last third [m]": run.last_third_largest,
-        }
-    return row
+        here = row("loop", {"run": run, "change": case.change_by_the_loop(run)})
+        found |= {f"{heading}: {title}": one for title, one in here.items()}
+    return found
 
 
 def _fin(gain: FinGain[FollowingCase]) -> Row:
@@ -267,27 +228,11 @@ def _joules(study: PathFollowingStudy) -> Iterator[Row]:
     for group, costs in meter_costs(study).items():
         trials = [(f"case {i}", pair) for i, pair in enumerate(costs.T.tolist(), 1)]
         for trial, pair in (*trials, ("mean", np.mean(costs, axis=1).tolist())):
-            row = zip(("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True)
-            yield {"group": group, "trial": trial, **dict(row)}
+            both = zip(("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True)
+            yield {"group": group, "trial": trial, **dict(both)}
 
 
 def _runs(study: PathFollowingStudy) -> Iterator[Row]:
-    runs = [(_case(case), run) for case in study.cases for run in (*case.band, case.cycle_mean)]
+    runs = [(row("case", case), run) for case in study.cases for run in (*case.band, case.cycle_mean)]
     for names, run in (*runs, ({"group": "held out", "case": 1}, study.held_out.run)):
-        yield {
-            **names,
-            "joints": run.joints,
-            "bandwidth [rad/s]": run.offset_bandwidth,
-            "delay [s]": run.loop_delay,
-            "heading": run.heading_estimate,
-            "time step [s]": run.dt,
-            "ramp [s]": run.ramp,
-            "ended by": run.reached,
-            "v [m/s]": run.forward_velocity,
-            "path speed [m/s]": run.path_speed,
-            "steady v [m/s]": run.steady_velocity,
-            "mechanical power [W]": run.mechanical_power,
-            "mechanical [J/m]": run.joules_per_meter,
-            "swing of the offset [deg]": math.degrees(run.offset_swing),
-            **_figures(run),
-        }
+        yield {**names, **row("runs", run), **row("figures", run)}
