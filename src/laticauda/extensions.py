@@ -7,19 +7,23 @@ process, or is an entry point of an installed package; nothing that a file names
 
 import functools
 import re
+import tomllib
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from laticauda.errors import BadArgument, nearest
 
 ENTRY_POINTS = "laticauda."
 """What the entry-point groups begin with; the group of drag laws is ``laticauda.drag_laws``."""
+HOMES: Mapping[str, Mapping[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+"""By group, the module of every member that comes with the package and is imported only when it is asked for."""
 
 
 class Extensible:
-    """Base of such a base; that one names its group, and what comes with the package.
+    """Base of such a base; that one names its group.
 
     class DragLaw(Extensible, group="drag_laws"): ...
     class PathFollowing(Controller): ...      # known as path-following
@@ -30,19 +34,16 @@ class Extensible:
     _known: ClassVar[dict[str, type]]
     _homes: ClassVar[Mapping[str, str]]
 
-    def __init_subclass__(
-        cls, *, group: str | None = None, homes: Mapping[str, str] | None = None, **rest: Any
-    ) -> None:
+    def __init_subclass__(cls, *, group: str | None = None, **rest: Any) -> None:
         """Found a group, or join that of the base.
 
         Args:
             group: Given by the base of a new group.
-            homes: Its members that come with the package and are imported only when asked for, module by name.
             rest: For other bases.
         """
         super().__init_subclass__(**rest)
         if group is not None:
-            cls.group, cls._known, cls._homes = group, {}, homes or {}
+            cls.group, cls._known, cls._homes = group, {}, HOMES.get(group, {})
         elif not cls.__name__.startswith("_"):
             cls._known[name_of(cls)] = cls
 

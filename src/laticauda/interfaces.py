@@ -18,13 +18,6 @@ from laticauda.robot import Robot
 
 State = TypeVar("State")
 FAR = 1e5  # beyond it, digits of the motion are lost
-CONTROLLERS: dict[str, str] = {
-    "path-following": "laticauda.control.path_following",
-    "spatial-path-following": "laticauda.control.path_following",
-    "model-predictive": "laticauda.control.predictive",
-    "offset-steps": "laticauda.control.averaged",
-}
-"""Where the controllers are that come with the package; they are imported when one is named."""
 EFFECTORS = (("thrusts", "thrusters", "thrust", "N"), ("deflections", "pectoral_fins", "deflection", "rad"))
 """What a command says of effectors: its field, the robot's, the number of one of them, and its unit."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
@@ -175,7 +168,7 @@ class Resumed:
         object.__setattr__(self, "state", state)
 
 
-class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLLERS):
+class Controller(Extensible, Generic[State], group="controllers"):
     """What decides the next command. Its state is a value, as a plant's is.
 
     One's own is a class below this one; as a frozen dataclass it is stored with its trials.

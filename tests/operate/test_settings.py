@@ -81,7 +81,10 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must be at least two points"),
         ("limits.max_current = 0", r"key `limits.max_current`: must be > 0 A, got 0"),
         ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
-        ("connection.can_interface = 'usb'", r"key `connection.bus_address`: must be one of `virtual`, `udp_multicast`"),
+        (
+            "connection.can_interface = 'usb'",
+            r"key `connection.bus_address`: must be one of `virtual`",
+        ),
         ("connection.bus = 'cam'", r"key `connection.bus`: must be one of `can`.*, got 'cam'; did you mean `can`\?"),
         ("connection.mocap = 'os'", r"key `connection.mocap`: must be one of `qtm`.*, got 'os'"),
         ("connection.mocap_address = 'here'", r"key `connection.mocap_address`: must be HOST:PORT, .*, got 'here'"),

@@ -6,14 +6,14 @@ import time
 from pathlib import Path
 
 import pytest
-from laticauda_dynamixel.emulator import Servos, tank_of_servos
-from laticauda_dynamixel.packets import MIDDLE, OVERHEATING, TRIPPED, Register
 from trials import swum
 
 import laticauda as lc
 from laticauda import lab
 from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
 from laticauda.protocol import Heartbeat, NodeCommand, NodeState, Order, references
+from laticauda_dynamixel.emulator import Servos, tank_of_servos
+from laticauda_dynamixel.packets import MIDDLE, OVERHEATING, TRIPPED, Register
 
 N = 8
 
@@ -42,7 +42,10 @@ ON = NodeCommand(order=Order.ENABLE)
 
 
 def test_it_keeps_the_contract(servos):
-    assert contract.broken("bus", f"dynamixel@{servos.path}", absent="dynamixel@/dev/nothing", duration=1, moves=True) == ()
+    assert (
+        contract.broken("bus", f"dynamixel@{servos.path}", absent="dynamixel@/dev/nothing", duration=1, moves=True)
+        == ()
+    )
 
 
 def test_servos_go_where_references_say(servos):

@@ -1,4 +1,5 @@
 import pytest
+
 from laticauda_dynamixel.packets import Instruction, Packet, Reader, crc16, encoded
 
 # The examples of the vendor's e-Manual: what is sent, and what a servo answers.

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from laticauda_udp_json.driver import NoPose, decoded
-from laticauda_udp_json.emulator import Sender
 from trials import swum
 
 import laticauda as lc
 from laticauda import lab
 from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
 from laticauda.protocol import bus_address
+from laticauda_udp_json.driver import NoPose, decoded
+from laticauda_udp_json.emulator import Sender
 
 POSE = {"body": "fish", "time": 1.0, "position": [1.0, 2.0, -0.1], "quaternion": [0.5, 0.5, 0.5, 0.5]}
 

@@ -15,41 +15,20 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import cache, partial
+from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, StructConstructorSpec, StructFieldSpec
 
 from laticauda.errors import BadArgument, whole
+from laticauda.files import read_toml
 from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, texts_of
 
 Command = TypeVar("Command")
 
-NOT_FLAGS = (
-    "name",
-    "robot",
-    "values",
-    "waypoints",
-    "heights",
-    "fin_phase_shift",
-    "recorded",
-    "profile",
-    "climb",
-    "climb_guidance",
-    *(f"circle.{name}" for name in ("center", "radius", "turns")),
-)
-"""Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
-CALLED = {
-    **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
-    **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
-}
-"""Arguments of the calls behind a command that its options call otherwise."""
-SPELLED = {
-    **{"center_of_mass": "position", "interval": "control_interval"},
-    **{f"start.{name}": f"start_{name}" for name in ("depth", "pitch", "roll")},
-    **{"frames_per_second": "fps", "begin": "from", "end": "to", "spatial.gravity": "weight"},
-}
-"""Fields of nested values, and what their flags are called."""
+TOLD: dict[str, Any] = read_toml(Path(__file__).with_suffix(".toml"))
+NOT_FLAGS, CALLED, SPELLED = TOLD["not_flags"], TOLD["called"], TOLD["spelled"]
 PRESETS = ("robot", "water", "ground", "parameters", "base")
 """Fields that a preset's name or the path of a file says."""
 LAST = "scenario"

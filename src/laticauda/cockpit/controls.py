@@ -24,7 +24,7 @@ from laticauda.robot import CaudalFin, Current, Robot, Water, current_names, loa
 from laticauda.scenarios import MODELS, Scenario
 
 PITCH = "pitch_"  # what the names of the pitch wave's controls begin with
-PITCH_LIMITS = {**LIMITS, "amplitude": (0.0, 45.0, 1.0), "phase": (-180.0, 180.0, 5.0)}
+PITCH_LIMITS = {**LIMITS["gait"], "amplitude": (0.0, 45.0, 1.0), "phase": (-180.0, 180.0, 5.0)}
 DEEPEST = 10.0  # that can be asked for [m]
 CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
@@ -118,7 +118,7 @@ class Controls:
         names = tuple(dict.fromkeys((*kinds(), gait.kind)))
         handle = gui.add_dropdown("gait", names, hint=_hint(Gait, "envelope"))
         self._add("kind", handle, lambda now: now.gait.kind, lambda kind: {"gait": self._of_kind(kind)})
-        self._add_wave(gui, "", LIMITS)
+        self._add_wave(gui, "", LIMITS["gait"])
 
     def _add_wave(self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]) -> None:
         """Sliders of the gait's own numbers, or of its pitch wave's."""

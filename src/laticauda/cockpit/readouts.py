@@ -1,6 +1,7 @@
 """The numbers and the plots of a run."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,22 +9,15 @@ import numpy as np
 from laticauda.cockpit.live import Live, tilt
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, measured
+from laticauda.files import read_toml
 from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
 from laticauda.trial.feasibility import feasibility
 
 STEP = 4  # every how many-th sample is drawn
 COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
-# Title with its unit, and the lines: column of `Live.plots` and name.
-PLOTS = (
-    ("Speed [m/s]", (("speed", "speed"),)),
-    ("Power [W]", (("power", "power"),)),
-    ("Cross-track error [m]", (("cross_track_error", "error"),)),
-    ("Heading [deg]", (("heading", "heading"),)),
-    ("Depth [m], in space", (("depth", "depth"),)),
-    ("Pitch and roll [deg], in space", (("pitch", "pitch"), ("roll", "roll"))),
-    ("Joint angles [deg]", (("joint_tail", "tail"), ("joint_middle", "middle"), ("joint_head", "head"))),
-)
+PLOTS: dict[str, dict[str, str]] = read_toml(Path(__file__).with_suffix(".toml"))
+"""Title with its unit, and the lines: column of `Live.plots` and name."""
 HEIGHT = 165  # [px]
 FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transport")
 RECENT = 800  # samples in which joints and actuators are looked at
@@ -99,8 +93,8 @@ class Plots:
     def __init__(self, gui: Any) -> None:
         axis = {"stroke": "#c8d2d8", "grid": {"stroke": "#3a4750", "width": 1}}
         self._handles: list[Any] = []
-        for title, lines in PLOTS:
-            series = [{"label": name, "stroke": color, "width": 1.5} for (_, name), color in zip(lines, COLORS)]  # noqa: B905
+        for title, lines in PLOTS.items():
+            series = [{"label": name, "stroke": color, "width": 1.5} for name, color in zip(lines.values(), COLORS)]  # noqa: B905
             self._handles.append(
                 gui.add_uplot(
                     (np.zeros(1),) * (1 + len(lines)),
@@ -117,5 +111,5 @@ class Plots:
         columns = live.plots(step=STEP)
         if not columns:
             return
-        for handle, (_, lines) in zip(self._handles, PLOTS, strict=True):
-            handle.data = (columns["time"], *(columns[name] for name, _ in lines))
+        for handle, lines in zip(self._handles, PLOTS.values(), strict=True):
+            handle.data = (columns["time"], *(columns[name] for name in lines))

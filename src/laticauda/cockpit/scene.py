@@ -5,6 +5,7 @@ Moving water is arrows around the robot, and a surface that rises and falls.
 
 import math
 from collections import deque
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from laticauda import kinematics, series
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
 from laticauda.dynamics.plant import Plant
+from laticauda.files import read_toml
 from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_waves
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Environment, Robot, Water
@@ -33,6 +35,7 @@ HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.
 """Where a camera begins, beside the robot and above it, and what it looks at [m]."""
 FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
 PER_NEWTON = 0.06  # length of an arrow [m]
+LOOKS = read_toml(Path(__file__).with_suffix(".toml"))
 TRAIL_STEP, N_TRAIL = 0.02, 600  # least distance of its points [m], and how many they are [-]
 
 
@@ -161,9 +164,7 @@ class Scene:
         # In a frame of their own at the center of mass: a slow page takes up places sooner than shapes.
         self._forces_at = scene.add_frame("/forces", show_axes=False, visible=False)
         arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # not seen
-        self._forces = scene.add_arrows(
-            "/forces/arrows", arrow, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
-        )
+        self._forces = scene.add_arrows("/forces/arrows", arrow, FORCE, **LOOKS["forces"])
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
@@ -172,19 +173,8 @@ class Scene:
         scene.add_light_hemisphere("/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4)
         scene.add_light_directional("/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0))
         self._floor = _plane(scene, "/floor", FLOOR, SAND, None)
-        self._grid = scene.add_grid(
-            "/grid",
-            width=WIDE,
-            height=WIDE,
-            plane="xy",
-            cell_size=0.5,
-            section_size=2.5,
-            cell_color=(62, 118, 132),
-            section_color=(98, 158, 170),
-            fade_distance=18.0,
-            shadow_opacity=0.0,
-            position=(0.0, 0.0, FLOOR + 0.004),
-        )
+        above = (0.0, 0.0, FLOOR + 0.004)
+        self._grid = scene.add_grid("/grid", width=WIDE, height=WIDE, position=above, **LOOKS["grid"])
         self._water = MovingWater(scene)
         self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
@@ -288,14 +278,6 @@ def _arrows(now: Poses, sample: series.Log, place: np.ndarray) -> np.ndarray | N
 
 REACH, CORNERS = 10.0, 29  # of the surface: from the robot to its sides [m], and its corners along one of these
 ARROW = (205, 240, 255)
-SIZES: Any = {"shaft_radius": 0.006, "head_radius": 0.018, "head_length": 0.05}  # of an arrow [m]
-LOOK: Any = {
-    "wireframe": True,
-    "opacity": 0.35,
-    "color": (120, 200, 220),
-    "cast_shadow": False,
-    "receive_shadow": False,
-}
 
 
 class MovingWater:
@@ -348,8 +330,8 @@ class MovingWater:
         self._arrows = arrows_of(environment.velocity, place, place, times, robot.reach, flow)
         if self._arrows is not None:
             arrows = self._arrows.around(np.append(place, 0.0)[:3], t).astype(np.float32)
-            self._handles.append(self._scene.add_arrows("/water/arrows", arrows, ARROW, **SIZES))
+            self._handles.append(self._scene.add_arrows("/water/arrows", arrows, ARROW, **LOOKS["arrows"]))
         if self._arrows is not None and flow is not None and has_waves(flow, place):
             self.surface = Surface(flow, REACH, CORNERS)
             corners, faces = self.surface.at(place, t).astype(np.float32), self.surface.faces.astype(np.uint32)
-            self._handles.append(self._scene.add_mesh_simple("/water/surface", corners, faces, **LOOK))
+            self._handles.append(self._scene.add_mesh_simple("/water/surface", corners, faces, **LOOKS["surface"]))

@@ -8,7 +8,6 @@ from jaxtyping import Float
 from laticauda.extensions import Extensible
 
 State = TypeVar("State")
-PATHS: dict[str, str] = dict.fromkeys(("straight-line", "circle", "polyline", "spline"), "laticauda.control.paths")
 # The modules of the paths take these from here, and check their fields themselves: no hook of the tests does before.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]
@@ -39,7 +38,7 @@ class PathFrame(NamedTuple):
         }
 
 
-class Path(Extensible, Generic[State], group="paths", homes=PATHS):
+class Path(Extensible, Generic[State], group="paths"):
     """What a robot can follow. How far it has come is a value, like every state.
 
     One's own is a class below this one; as a value it is stored with its trials.

@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.estimation import digital_twin, samples
+from laticauda.files import read_toml
 from laticauda.quantities import quantity, value
 
 # The filter runs hundreds of times a second: shapes are in the docstrings, and are not checked at run time.
@@ -43,17 +45,8 @@ class Noise:
         return replace(self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()})
 
 
-# How fast changes what a twin leaves to explain of the motion; chosen on runs of their own, with the right plant and
-# with a wrong one. See docs/theory/estimation.md.
-BESIDE_TWIN = {
-    "turning": 0.012,
-    "turn_gain": 0.03,
-    "slip_gain": 0.01,
-    "heading_gain": 0.05,
-    "across_gain": 0.002,
-    "heading_ripple": 0.003,
-    "position_ripple": 0.0025,
-}
+BESIDE_TWIN: dict[str, float] = read_toml(Path(__file__).with_name("beside_twin.toml"))
+"""How fast changes what a twin leaves to explain of the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -25,16 +25,6 @@ from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law, OfFunction
 from laticauda.quantities import option, told, value
 
-FLOWS = dict.fromkeys(("lamb-oseen", "karman-street"), "laticauda.fluid.eddies") | {
-    **dict.fromkeys(("uniform", "linear-shear", "power-law-shear"), "laticauda.fluid.uniform"),
-    "waves": "laticauda.fluid.waves",
-    "sea": "laticauda.fluid.waves",
-    "turbulence": "laticauda.fluid.eddies",
-    "gridded": "laticauda.fluid.gridded",
-}
-"""Where the flows are that come with the package; they are imported when one is named."""
-
-
 STEP = 1e-4
 """Of differences, in m and s: right to (k STEP)^2 / 6 for waves of number k, and to 1e-12 / STEP of the velocity."""
 
@@ -98,7 +88,7 @@ def felt(motion: Motion) -> Felt:
     return Felt(u, v, w, a_x, a_y, a_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y), elevation)
 
 
-class Flow(Law, Extensible, group="flows", homes=FLOWS):
+class Flow(Law, Extensible, group="flows"):
     """Base of flows: a value whose fields are its numbers.
 
     Example:

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from laticauda.errors import BadArgument, instance, shown
+from laticauda.files import read_toml
 from laticauda.fluid.flow import Flow
 from laticauda.formulas import Formula
 from laticauda.quantities import option, quantity, value
@@ -31,16 +32,7 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("u", "v", "w", "elevation")
 AXES = ("time", "z", "y", "x")
-NAMES = {
-    "u": ("u", "sea_water_x_velocity", "eastward_sea_water_velocity", "uo"),
-    "v": ("v", "sea_water_y_velocity", "northward_sea_water_velocity", "vo"),
-    "w": ("w", "upward_sea_water_velocity", "wo"),
-    "elevation": ("elevation", "sea_surface_height_above_mean_sea_level", "zeta"),
-    "time": ("t", "time"),
-    "z": ("z", "height", "depth", "altitude"),
-    "y": ("y", "projection_y_coordinate"),
-    "x": ("x", "projection_x_coordinate"),
-}
+NAMES: dict[str, list[str]] = read_toml(Path(__file__).with_suffix(".toml"))
 """What variables and coordinates may be called, by name or by their attribute `standard_name`, which is the second."""
 _METERS = {"m": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
 _SPEEDS = {f"{meter}{per}": factor for meter, factor in _METERS.items() for per in ("/s", " s-1", " s^-1", "/second")}

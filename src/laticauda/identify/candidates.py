@@ -8,6 +8,7 @@ is a `Measurement` whose numbers do not count; its group says its kind: swim, to
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,20 +16,14 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.errors import instance, one_of, positive
+from laticauda.files import read_toml
 from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
 from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.robot import Environment, Robot, Water
 from laticauda.simulate.runner import Progress
 
-SENSORS: Mapping[str, tuple[str, float]] = {
-    "speed": ("forward_velocity", 0.005),
-    "power": ("mean_power", 2.0),
-    "path": ("center_of_mass", 0.005),
-    "heading": ("heading", 0.01),
-    "joint-angle": ("joint_angle", 0.01),
-    "joint-torque": ("joint_torque", 0.05),
-}
+SENSORS: Mapping[str, tuple[str, float]] = read_toml(Path(__file__).with_name("sensors.toml"))
 """By word: the figure or series, and the standard deviation of its noise."""
 FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
 """Noise of the loads of a tow: of a force [N], as a share of it [-], and of the angle [rad]."""

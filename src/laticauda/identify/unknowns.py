@@ -4,28 +4,19 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import Any, Literal, cast
 
 import numpy as np
 
 from laticauda.errors import BadArgument, finite, instance, label, nearest, positive, shown
+from laticauda.files import read_toml
 from laticauda.quantities import Check, option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
 
-NUISANCE: dict[str, Parameter] = {
-    parameter.name: parameter
-    for parameter in (
-        Parameter(name="measured.heading_offset", unit="rad", title="What the tracker adds to the heading"),
-        Parameter(name="measured.offset_x", unit="m", title="Tracked point ahead of the center of mass"),
-        Parameter(name="measured.offset_y", unit="m", title="Tracked point to the left of the center of mass"),
-        Parameter(name="measured.power_offset", unit="W", title="What the meter adds to the mean power"),
-        Parameter(name="start.x", unit="m", title="Where the trial begins: x"),
-        Parameter(name="start.y", unit="m", title="Where the trial begins: y"),
-        Parameter(name="start.heading", unit="rad", title="Heading at the begin"),
-        Parameter(name="start.velocity", unit="m/s", title="Speed at the begin, along the heading"),
-    )
-}
+_TABLE: dict[str, Any] = read_toml(Path(__file__).with_name("nuisance.toml"))
+NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
 """Nuisance parameters: what a measurement brings besides robot and water."""
 SIMULATED = ("start.heading", "start.velocity")
 """Those that a run depends on; the others change what is seen of it."""

@@ -76,7 +76,7 @@ class Lab:
 
     Args:
         tank: What is in it.
-        bus: The CAN bus on which its nodes are, or what stands for one: it sends, receives and closes like python-can's.
+        bus: The CAN bus on which its nodes are, or what stands for one, like python-can's.
         host: Where the cameras' server listens; the default is this computer alone.
         port: Likewise; 0: any that is free.
         speed: Seconds of the lab for one second of ours.

@@ -3,7 +3,9 @@
 # pyright: reportUntypedNamedTuple=false
 from collections import namedtuple
 from itertools import accumulate
+from pathlib import Path
 
+from laticauda.files import read_toml
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 
@@ -51,27 +53,8 @@ IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_
 # --- Numbers of the water
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
 
-# --- One record of numbers per element: what it has, and how many numbers that is
-RECORD = {
-    "position": 3,  # in the body's frame
-    "rotation": 9,  # from element axes to the body's, row by row
-    "drag": 3,
-    "torque_linear": 3,
-    "torque_quadratic": 3,
-    "added_mass": 3,
-    "added_inertia": 3,
-    "half_size": 3,
-    "thrust": 3,
-    "pull": 3,
-    "volume": 1,
-    "tether_drag": 1,
-    "wake_mass": 1,
-    "shape": 1,
-    "plate": 5,  # as in fluid.laws.plate
-    "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-    "own_mass": 1,  # of the body and what is fixed to it, per element on them
-    "own_inertia": 1,  # the least, likewise
-}
+# --- One record of numbers per element: where what it has begins
+RECORD: dict[str, int] = read_toml(Path(__file__).with_name("record.toml"))
 PLACES = (*accumulate(RECORD.values(), initial=0),)
 (POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[:9]
 (PULL, VOLUME, TETHER_DRAG, WAKE_MASS, SHAPE, PLATE, CONTACT, OWN_MASS, OWN_INERTIA, LAW_NUMBERS) = PLACES[9:]

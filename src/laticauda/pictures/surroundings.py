@@ -5,12 +5,14 @@ Water that moves is arrows around the robot, and a surface that rises and falls.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Int
 
 from laticauda.errors import load_mujoco
+from laticauda.files import read_toml
 from laticauda.fluid.arrows import Surface, arrows_of, grid, has_waves
 from laticauda.robot import Environment, Ground, Water
 from laticauda.spatial.appearance import HULL
@@ -50,16 +52,7 @@ class Look:
     """Light from everywhere."""
 
 
-WATER = Look()
-AIR = Look(far=(0.64, 0.79, 0.84), above=(0.46, 0.70, 0.86), fog=(3.0, 14.0), ambient=(0.42, 0.40, 0.38))
-LAND = Look(
-    floor=(0.50, 0.47, 0.42),
-    line=0.90,
-    far=(0.80, 0.84, 0.87),
-    above=(0.55, 0.70, 0.84),
-    fog=(3.0, 14.0),
-    ambient=(0.42, 0.42, 0.42),
-)
+WATER, AIR, LAND = (Look(**one) for one in read_toml(Path(__file__).with_name("looks.toml")).values())
 
 
 def add_surroundings(

@@ -125,14 +125,10 @@ class Ground:
 
 
 Environment: TypeAlias = Water | Ground
-SCENES: dict[str, str] = dict.fromkeys(
-    ("pegs", "slope", "pipe", "shore", "tank", "height-field", "open", "mjcf", "edited"), "laticauda.spatial.scene"
-)
-"""Where the scenes are that come with the package; they are imported when one is named."""
 
 
 @value
-class Scene(Extensible, group="scenes", homes=SCENES):
+class Scene(Extensible, group="scenes"):
     """What is around a robot in space: obstacles, walls, terrain. One's own is a class below this one.
 
     World axes: z is up, and 0 the height of the ground, or of the water's surface unless it says otherwise.

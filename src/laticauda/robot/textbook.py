@@ -26,8 +26,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 from laticauda.errors import BadArgument
+from laticauda.files import read_toml
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.robot.body import Section
 from laticauda.robot.environment import Water
@@ -44,26 +47,9 @@ SEEN = {"swimming": (-0.08, 0.16), "gliding": (-0.15, 0.20), "turning": (-0.01, 
 """Simulated over measured - 1 on AmphiBot: speeds, angle, way. `tendon-fish` with its broad fin misses by far more."""
 
 Range = tuple[float, float, float]
-# Value, low and high.
-# Shares of two ends: their sums are airship, sphere, cylinder along the flow and, faired before blunt, bullet [2, 3].
-_NOSE: dict[str, Range] = {"faired": (0.02, 0.01, 0.05), "round": (0.1, 0.05, 0.2), "blunt": (0.65, 0.58, 0.72)}
-_TAIL: dict[str, Range] = {"faired": (0.03, 0.01, 0.1), "round": (0.3, 0.2, 0.4), "blunt": (0.25, 0.22, 0.28)}
-_GAPS: dict[str, Range] = {"smooth": (0.0, 0.0, 0.0), "jointed": (0.01, 0.0, 0.03), "skinned": (0.0, 0.0, 0.0)}
 _WRINKLED = 0.010, 0.014  # C_F of a rough plate, and its highest in the chart [6]
 _SKINNED = 10.0  # Mamba, in skin and on a tether, has ten times the drag of the tables
-# Width over height, and the coefficient.
-_DRAG = {"ellipse": ((0.0, 1.98), (1.0, 1.20), (2.0, 0.60)), "box": ((0.0, 2.0), (0.67, 2.6), (1.0, 2.0))}  # [2, 4, 5]
-_RATIOS = 0.02, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0
-_MASS = {
-    "ellipse": ((1.0, 1.0),),  # potential flow, whatever the axes
-    "box": tuple(zip(_RATIOS, (1.046, 1.141, 1.217, 1.364, 1.513, 1.696, 1.816, 1.980), strict=True)),
-}  # potential flow by Schwarz-Christoffel, as the tests compute it anew
-_SPREAD = {"ellipse": (0.8, 1.2), "box": (0.6, 1.1)}  # of C_D; corners that are round have less
-_SOURCES = {
-    "water.normal_drag": "sections across the flow [2, 4, 5]; interval: judgement (corners, Reynolds number)",
-    "water.added_mass": "potential flow about the section; interval: judgement",
-    "water.drag.beta": "between cross-flow principle (0) and drag along the velocity (1)",
-}
+_TOLD: Any = read_toml(Path(__file__).with_suffix(".toml"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,9 +88,9 @@ def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface
     if not 0.0 < v < math.inf:
         raise BadArgument("speed", f"must be > 0 m/s, got {speed}")
     friction, of_friction = _friction(body, v)
-    drag = _across(robot, _DRAG, 1)
-    mass = _across(robot, _MASS, 2)
-    spread = [_across(robot, {name: ((1.0, pair[i]),) for name, pair in _SPREAD.items()}, 1) for i in (0, 1)]
+    drag = _across(robot, _TOLD["drag"], 1)
+    mass = _across(robot, _TOLD["mass"], 2)
+    spread = [_across(robot, {name: ((1.0, pair[i]),) for name, pair in _TOLD["spread"].items()}, 1) for i in (0, 1)]
     water = Water(
         name=TEXTBOOK,
         tangential_friction=friction[0],
@@ -121,7 +107,8 @@ def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface
         "water.added_mass": (0.8 * mass, 1.2 * mass),
         "water.drag.beta": (0.0, 1.0),
     }
-    return Textbook(water=water, intervals=intervals, sources=_SOURCES | {"water.tangential_friction": of_friction})
+    sources = _TOLD["sources"] | {"water.tangential_friction": of_friction}
+    return Textbook(water=water, intervals=intervals, sources=sources)
 
 
 @functools.lru_cache(maxsize=256)
@@ -172,9 +159,9 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
     skin = (smooth, 0.5 * smooth, 1.5 * smooth)
     if robot.surface == "skinned":
         skin = (max(smooth, _WRINKLED[0]), smooth, max(smooth, _WRINKLED[1]))
-    nose, tail = _NOSE[robot.nose], _TAIL[robot.tail]
+    nose, tail = _TOLD["nose"][robot.nose], _TOLD["tail"][robot.tail]
     ends = nose[0] + tail[0], nose[1] + tail[1], nose[2] + tail[2]
-    parts = [(wetted, skin), (end, ends), (joints, _GAPS[robot.surface])]
+    parts = [(wetted, skin), (end, ends), (joints, _TOLD["gaps"][robot.surface])]
     value = sum(area * one[0] for area, one in parts)
     less, more = (math.hypot(*(area * (one[i] - one[0]) for area, one in parts)) for i in (1, 2))
     high = _SKINNED * value if robot.surface == "skinned" else value + more

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument, load_mujoco
-from laticauda.files import write
+from laticauda.files import read_toml, write
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
 
@@ -27,15 +27,8 @@ GAP = 0.012  # between two housings, filled by the bellows [m]
 CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
 AROUND = 20  # vertices around a section; the eye sees no corners
 NOSE = 1.5  # length of the rounded front, in half heights
-# Red, green, blue, opacity; how much it shines.
-MATERIALS = {
-    "housing": ((0.075, 0.085, 0.10, 1.0), 0.45),
-    "band": ((1.0, 0.62, 0.05, 1.0), 0.25),
-    "bellows": ((0.16, 0.17, 0.18, 1.0), 0.05),
-    "head": ((0.95, 0.30, 0.04, 1.0), 0.45),
-    "collar": ((0.03, 0.035, 0.045, 1.0), 0.45),
-    "fin": ((0.13, 0.15, 0.17, 1.0), 0.40),
-}
+MATERIALS: dict[str, Any] = read_toml(Path(__file__).with_suffix(".toml"))
+"""Red, green, blue and opacity; how much it shines."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

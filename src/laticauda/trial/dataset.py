@@ -203,16 +203,8 @@ def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
 
 # ---- files ---------------------------------------------------------------------------------------------------------
 
-_OURS = {
-    "nc": "laticauda.logs.tabular",
-    "mcap": "laticauda.logs.mcap_trials",
-    "parquet": "laticauda.logs.tabular",
-    "mat": "laticauda.logs.tabular",
-    "csv": "laticauda.logs.tabular",
-}
 
-
-class Format(Extensible, group="formats", homes=_OURS):
+class Format(Extensible, group="formats"):
     """How the Dataset of a trial is written to files of one ending, and read from them.
 
     class Zarr(Format):          # known by its entry point in the group `laticauda.formats`, or once it is imported

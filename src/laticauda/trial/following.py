@@ -4,12 +4,14 @@ Pure functions of the distance from the path over time, like `metrics`. All but 
 cycle: the center of mass of a swimming snake swings across its course, and that swing is the ripple, not an error.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.errors import BadArgument, positive
+from laticauda.files import read_toml
 from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
 from laticauda.trial.trial import Trial
 
@@ -124,16 +126,7 @@ def saturated_share(time: Time, is_saturated: Time) -> float:
     return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
 
 
-FIGURES = {
-    "convergence_time": ("s", "time until the mean error stays within 0.1 m for a cycle"),
-    "convergence_distance": ("m", "progress along the path until then"),
-    "overshoot": ("m", "largest mean error on the other side"),
-    "steady_error": ("m", "root mean square of the mean error after that"),
-    "ripple": ("m", "root mean square of the swing about the mean after that"),
-    "last_third_error": ("m", "mean error over the last third of the run"),
-    "last_third_height_error": ("m", "mean height above the path over the last third of the run"),
-    "saturated_share": ("", "share of the run with the offset at its limit"),
-}
+FIGURES: dict[str, tuple[str, str]] = read_toml(Path(__file__).with_suffix(".toml"))
 """Unit and meaning of the figures of `summary`; errors are cycle means of the distance from the path."""
 
 

@@ -1,6 +1,6 @@
 """The driver: what `laticauda operate` says to its modules becomes reads and writes of servos' registers.
 
-A servo has no states of a module, so they are kept here: it holds when references stay away, and is limp a second later.
+A servo has no states of a module, so they are kept here: it holds when references stay away, and limp a second later.
 If this program dies, the servos' bus watchdog stops them where they are.
 """
 
@@ -29,7 +29,6 @@ from laticauda.protocol import (
     encode,
 )
 from laticauda.protocol.worker import hardware
-
 from laticauda_dynamixel import packets
 from laticauda_dynamixel.packets import BROADCAST, Instruction, Packet, Reader, Register
 
@@ -110,7 +109,9 @@ class Dynamixel(Bus):
         answers = self._asked_for(Packet(BROADCAST, Instruction.PING, b""), None, 0.3)
         numbers = sorted(answers)
         if not numbers:
-            raise DeviceFailed(f"No servo answers at {self._address}: check power, cable, and that its baud rate is this.")
+            raise DeviceFailed(
+                f"No servo answers at {self._address}: check power, cable, and that its baud rate is this."
+            )
         if numbers != list(range(1, len(numbers) + 1)):
             raise DeviceFailed(f"The servos must have the numbers 1, 2, ... from the tail on, got {numbers}.")
         modes = self._read(Register.OPERATING_MODE, 1, numbers)

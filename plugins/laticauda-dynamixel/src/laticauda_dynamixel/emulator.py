@@ -29,7 +29,6 @@ from laticauda.protocol import (
     references,
     to_frame,
 )
-
 from laticauda_dynamixel import packets
 from laticauda_dynamixel.packets import BROADCAST, Instruction, Packet, Reader, Register
 
@@ -140,7 +139,9 @@ class Servos(AbstractContextManager["Servos"]):
             on = bool(data[Register.TORQUE_ENABLE - register]) and not table[Register.HARDWARE_ERROR]
             if on != bool(table[Register.TORQUE_ENABLE]):
                 self._to_tank.append(NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number))
-            data = data[: Register.TORQUE_ENABLE - register] + bytes([on]) + data[Register.TORQUE_ENABLE - register + 1 :]
+            data = (
+                data[: Register.TORQUE_ENABLE - register] + bytes([on]) + data[Register.TORQUE_ENABLE - register + 1 :]
+            )
         table[register : register + len(data)] = data
         return 0
 

@@ -6,6 +6,7 @@ import time
 from typing import Any
 
 import numpy as np
+
 from laticauda.estimation import PoseSample
 from laticauda.kinematics import from_quaternion
 from laticauda.operate.drivers import Clock, DeviceFailed, MotionCapture

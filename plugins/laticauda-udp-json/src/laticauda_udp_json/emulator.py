@@ -1,6 +1,6 @@
 """The cameras of the virtual tank, as a sender of such datagrams.
 
-    python -m laticauda_udp_json.emulator [HOST:PORT]
+python -m laticauda_udp_json.emulator [HOST:PORT]
 """
 
 import json

@@ -5,7 +5,6 @@ for others that of the package `ziglang` (the extra `export`), which brings thei
 """
 
 # pyright: basic
-
 import functools
 import hashlib
 import importlib.util
@@ -30,6 +29,7 @@ from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import sources_digest
 from laticauda.cosim.native.entry import NAME, bitcode
 from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingProgram, one_of
+from laticauda.files import read_toml
 from laticauda.fluid.laws import DragLaw
 from laticauda.planar.model import PlanarPlant, specialize
 
@@ -73,23 +73,13 @@ class Platform(NamedTuple):
         return f"{self.processor}-{self.system.name}"
 
 
-_ELF = "-shared -s -Wl,-Bsymbolic -Wl,-z,noexecstack -Wl,-z,defs"
-_WASM = f"-mexec-model=reactor -s -Wl,--export=laticauda_reserve {shlex.quote(f'{FOLDER}/wasm.c')}"
-LINUX = System("linux", "unknown-linux-gnu", "linux-gnu.2.17", ".so", _ELF)
-WINDOWS = System("windows", "pc-windows-gnu", "windows-gnu", ".dll", "-shared -s")
-DARWIN = System("darwin", "apple-macosx11.0.0", "macos", ".dylib", "-shared")
-BROWSER = System("unknown", "unknown-unknown", "wasi", ".wasm", _WASM)
-PLATFORMS = {
-    one.name: one
-    for one in (
-        Platform("linux64", "x86_64", LINUX, "linux64"),
-        Platform("aarch64", "aarch64", LINUX, "aarch64-linux"),
-        Platform("win64", "x86_64", WINDOWS, "win64"),
-        Platform("darwin-arm64", "aarch64", DARWIN, "darwin64"),
-        Platform("darwin-x86-64", "x86_64", DARWIN, "darwin64"),
-        Platform("wasm32", "wasm32", BROWSER, "", "+simd128,+bulk-memory"),  # what browsers have
-    )
+_TOLD = read_toml(Path(__file__).with_suffix(".toml"))
+_WASM = shlex.quote(f"{FOLDER}/wasm.c")
+_SYSTEMS = {
+    name: System(name, llvm, zig, ending, flags.format(wasm=_WASM))
+    for name, (llvm, zig, ending, flags) in _TOLD["systems"].items()
 }
+PLATFORMS = {name: Platform(name, one, _SYSTEMS[of], *more) for name, (one, of, *more) in _TOLD["platforms"].items()}
 """By name."""
 _PAGE = 1 << 14  # of memory on a Mac; each part of a universal library begins at one
 
@@ -132,7 +122,7 @@ def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
     """
     libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
-        one_of("platform", name, [*(one.name for one in libraries), DARWIN.name])
+        one_of("platform", name, [*(one.name for one in libraries), "darwin"])
     return [one for one in libraries if one.name in names or one.system.name in names] or [platform_of()]
 
 
@@ -268,7 +258,7 @@ def linked(
         (folder / "kernels.o").write_bytes(code)
         parts = [*shlex.split(FLAGS), "-I.", *map(str, sources)]
         linking = [*parts, *shlex.split(platform.system.linking), "kernels.o", "-lm", "-o", "library"]
-        linking += [f"-Wl,--export={name}"] if platform.system is BROWSER else []
+        linking += [f"-Wl,--export={name}"] if platform.system.name == "unknown" else []
         objects = ["kernels.o", *(f"{source.stem}.o" for source in sources)]
         archiver = [sys.executable, "-m", "ziglang", "ar"] if "ziglang" in chosen else ["ar"]
         both = [[*chosen, "-c", *parts], [*archiver, "rcs", "library", *objects]]

@@ -1,7 +1,6 @@
 """The variables of an FMU: what another tool may set and see, and behind which rows of the kernels each one stands."""
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -10,6 +9,7 @@ from typing import Any, cast
 
 import laticauda as lc
 from laticauda import formulas, robot
+from laticauda.files import read_toml
 from laticauda.planar import rows
 from laticauda.planar.model import LEAST_DT, PlanarPlant
 from laticauda.quantities import quantities_of
@@ -18,7 +18,7 @@ Shares = tuple[tuple[int, float], ...]
 Ends = tuple[float, float]
 FAR = 1e5  # m and rad, as for `Start`
 TINY = 1e-9  # of what must be positive
-LIKE: Mapping[str, Sequence[Sequence[Any]]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+LIKE: Mapping[str, Sequence[Sequence[Any]]] = read_toml(Path(__file__).with_suffix(".toml"))
 """Variables that are declared alike."""
 
 

@@ -8,7 +8,7 @@ import base64
 import json
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
@@ -22,6 +22,7 @@ from laticauda.control.guidance import ROUNDING
 from laticauda.cosim.native import entry, platforms
 from laticauda.cosim.native.tables import Variable, tables_of
 from laticauda.cosim.web import steering
+from laticauda.files import read_toml
 from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
@@ -31,21 +32,9 @@ ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page has if nobody says which."""
 MOTION = rows.ANGLE, rows.RATE
 
-LIMITS = {
-    "amplitude": (0.0, 60.0, 1.0),
-    "frequency": (0.0, 220.0, 5.0),
-    "phase_shift": (-90.0, 90.0, 1.0),
-    "offset": (-20.0, 20.0, 0.5),
-}
-"""Of the gait's numbers: limits and step in degrees and degrees per second, the paper's sweeps and some more."""
-WATER = {"tangential_friction": (0.0, 1.0, 0.005), "normal_drag": (0.0, 4.0, 0.05), "added_mass": (0.0, 3.0, 0.05)}
-STEERING = {
-    "look_ahead_distance": (0.05, 3.0, 0.01),
-    "integral_gain": (0.0, 0.5, 0.01),
-    "gain": (0.05, 1.5, 0.05),
-    "max_offset": (1.0, 30.0, 1.0),
-}
-RIGIDITY, CURRENT = (0.02, 1.0, 0.01), (-0.3, 0.3, 0.005)
+LIMITS: Mapping[str, Mapping[str, Any]] = read_toml(Path(__file__).with_name("limits.toml"))
+"""What sliders go through, by group."""
+WATER = LIMITS["water"]
 WORKS = {"mechanical_work": "work_absolute", "net_work": "work_net", "positive_work": "work_positive"}
 LOGGED = ("time", "center", "heading", "link", "joint", "fin_", *WORKS, "electrical_work")
 """What the names of variables begin with that a trial has, too."""
@@ -99,13 +88,14 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
 
 def _sliders() -> list[dict[str, Any]]:
     """All of them, in their order on the page: group, kernels' variable ("" of path following), flag, words, limits."""
-    water, following = lc.load_water("paper-lateral"), control.Following()
+    water = lc.load_water("paper-lateral")
+    owners = {"gait": FIRST_GAIT, "fin": robot.CaudalFin(**ELASTIC), "water": water, "path": control.Following()}
     return [
-        *(_slider("gait", FIRST_GAIT, field, limits, f"gait.{field}") for field, limits in LIMITS.items()),
-        _slider("fin", robot.CaudalFin(**ELASTIC), "flexural_rigidity", RIGIDITY, "fin.flexural_rigidity"),
-        *(_slider("water", water, field, limits, f"water.{field}") for field, limits in WATER.items()),
-        *(_slider("current", water, "current", CURRENT, f"current.{axis}", f" {axis}") for axis in "xy"),
-        *(_slider("path", following, field, limits, "") for field, limits in STEERING.items()),
+        _slider(group, owners[group], field, limits, "" if group == "path" else f"{group}.{field}")
+        if group != "current"
+        else _slider(group, water, group, limits, f"{group}.{field}", f" {field}")
+        for group, fields in LIMITS.items()
+        for field, limits in fields.items()
     ]
 
 

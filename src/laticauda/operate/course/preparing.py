@@ -76,8 +76,8 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
     if state.frame_time is None:
         body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"
         missing.append(
-            f"the motion capture at {connection.mocap_address} does not see {body}: check that it measures, and that the "
-            "robot is within its volume"
+            f"the motion capture at {connection.mocap_address} does not see {body}: check that it measures, and that "
+            "the robot is within its volume"
         )
     if connection.meter_address and state.reading is None:
         missing.append(f"the power meter at {connection.meter_address} says nothing: check that it is on and connected")

@@ -1,4 +1,4 @@
-"""The devices: modules' bus, motion capture, power meter, emergency-stop input. Each has a thread that no exception ends.
+"""The devices: modules' bus, motion capture, power meter, emergency-stop input. No exception ends their threads.
 
 `base` says what a driver is, how one of your own is found, and what it has to do.
 """

@@ -28,8 +28,6 @@ from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import CanMessage
 from laticauda.protocol.worker import Clock, DeviceFailed, T, Worker
 
-HERE = "laticauda.operate.drivers."
-
 
 class Frame(NamedTuple):
     """One frame that went over the modules' bus."""
@@ -71,7 +69,7 @@ class Driver(Worker[T]):
             raise BadArgument("address", "must not be empty")
 
 
-class Bus(Driver[Frame], Extensible, group="drivers.bus", homes={"can": f"{HERE}can"}):
+class Bus(Driver[Frame], Extensible, group="drivers.bus"):
     """The modules' bus. `receive` gives frames; what they say are `JointState` and `Heartbeat`, by node.
 
     A bus that is not `mamba.dbc`'s says the same: node 1 is the joint nearest the tail; every `Sync` is answered with a
@@ -89,7 +87,7 @@ class Bus(Driver[Frame], Extensible, group="drivers.bus", homes={"can": f"{HERE}
         raise NotImplementedError
 
 
-class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers.mocap", homes={"qtm": f"{HERE}mocap"}):
+class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers.mocap"):
     """The rigid body on the robot, as cameras see it. `receive` gives poses in the tank frame, each behind its arrival.
 
     A pose's own time is the cameras' clock, whose offset the operation finds. A frame in which the body is not seen has
@@ -106,14 +104,14 @@ class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers
         self._body = body
 
 
-class Meter(Driver[PowerReading], Extensible, group="drivers.meter", homes={"fluke": f"{HERE}meter"}):
+class Meter(Driver[PowerReading], Extensible, group="drivers.meter"):
     """The power meter in the supply cable. `receive` gives readings of the current, at least one a second."""
 
     def restart(self) -> None:
         """Begin the record of average, minimum and maximum anew, if it keeps one; does not wait."""
 
 
-class StopInput(Driver[str], Extensible, group="drivers.stop", homes={"serial-line": f"{HERE}stop"}):
+class StopInput(Driver[str], Extensible, group="drivers.stop"):
     """The emergency-stop input. `receive` gives why the robot must stop, and nothing while all is well.
 
     It is asked in every tick, and is safe where it fails: a contact that is open, however shortly, a line that is lost

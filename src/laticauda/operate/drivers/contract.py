@@ -9,17 +9,18 @@ import math
 import threading
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.operate.drivers.base import Clock, DeviceFailed, Frame
+from laticauda.operate.recording.entries import PowerReading
 from laticauda.operate.settings import Connection
-from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, NodeState, Order, Sync, references
+from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, Order, Sync, references
 
 TICK = 0.01  # [s]
 LONGEST = 0.05  # that a call of the loop may take [s]
-LEAST_RATE = {"mocap": 1.0, "meter": 1.0}  # of what comes in [1/s]
 LEAST_BEATS, LEAST_ANSWERS = 5.0, 20.0  # per second and node
 LIMP_WITHIN = 1.5  # without references, or after an emergency stop [s]
 END_WITHIN = 3.0  # of a driver's threads, after `close` [s]
@@ -65,10 +66,11 @@ def _heard(one: Any, now: float) -> Heard:
         node = getattr(one.message, "node", None)
         what = f"frame {one.identifier:#05x}" if node is None else f"{type(one.message).__name__} of node {node}"
         return Heard(what, one.time, one.message)
-    if isinstance(one, tuple):
-        arrival, pose = one
-        return Heard("body not seen" if pose.is_lost else "body", arrival, pose)
-    return Heard("reason to stop", now, one) if isinstance(one, str) else Heard("reading", one.time, one)
+    if isinstance(one, PowerReading):
+        return Heard("reading", one.time, one)
+    if isinstance(one, str):
+        return Heard("reason to stop", now, one)
+    return Heard("body not seen" if one[1].is_lost else "body", *one)
 
 
 def broken(
@@ -84,98 +86,84 @@ def broken(
         duration: How long it is listened to [s].
         moves: For a bus: switch the motors on where the joints stand, too, and see them off again without references.
     """
-    return tuple(_broken(Connection(mocap_body=body), kind, device, absent, duration, moves))
-
-
-def _broken(usual: Connection, kind: str, device: str, absent: str, duration: float, moves: bool) -> Iterator[str]:
-    threads, clock = set(threading.enumerate()), Clock()
-    with usual.at(**{kind: device}).opened(kind, clock) as driver:
-        found, longest = listen(driver, clock, duration)
-        times = [one.time for one in found]
-        if longest > LONGEST:
-            yield f"a call of the loop took {longest:.3f} s"
-        if len(found) < LEAST_RATE.get(kind, 0.0) * duration:
-            yield f"{len(found)} items came in {duration:g} s"
-        if times != sorted(times) or not all(0.0 < one <= clock.now() for one in times):
-            yield "times of arrival must be those of the given clock, and grow"
-        if driver.trouble:
-            yield f"it has a trouble: {driver.trouble}"
-        yield from RULES[kind](driver, clock, [one.value for one in found], duration, moves)
+    threads, clock, found = set(threading.enumerate()), Clock(), list[str]()
+    there = Connection(mocap_body=body).at(**{kind: device})
+    with there.opened(kind, clock) as driver:
+        heard, longest = listen(driver, clock, duration)
+        times, values = [one.time for one in heard], [one.value for one in heard]
+        right = times == sorted(times) and all(0.0 < one <= clock.now() for one in times)
+        found += [] if right else ["times of arrival must be those of the given clock, and grow"]
+        found += [f"a call of the loop took {longest:.3f} s"] if longest > LONGEST else []
+        found += [f"it says: {driver.trouble}"] if driver.trouble else []
+        found += RULES[kind](values, duration)
+        if kind == "bus":
+            found += _limp(driver, clock, values, moves)
+        elif kind == "meter":
+            driver.restart()
     driver.close()  # twice does no harm
+    there.opened(kind, clock).close()  # what was closed can be opened again
     end = time.monotonic() + END_WITHIN
     while (left := set(threading.enumerate()) - threads) and time.monotonic() < end:
         time.sleep(TICK)
-    if left:
-        yield f"threads are left after `close`: {', '.join(sorted(thread.name for thread in left))}"
-    with usual.at(**{kind: device}).opened(kind, clock):
-        pass  # what was closed can be opened again
-    if absent:
-        try:
-            usual.at(**{kind: absent}).opened(kind, clock).close()
-            yield f"{absent} must be refused, with `DeviceFailed`"
-        except DeviceFailed as error:
-            if absent.rpartition("@")[2] not in str(error):
-                yield f"the refusal must say the address: {error}"
+    found += [f"threads are left after `close`: {', '.join(thread.name for thread in left)}"] if left else []
+    try:
+        if absent:
+            there.at(**{kind: absent}).opened(kind, clock).close()
+            found.append(f"{absent} must be refused, with `DeviceFailed`")
+    except DeviceFailed as error:
+        found += [] if absent.rpartition("@")[2] in str(error) else [f"the refusal must say the address: {error}"]
+    return tuple(found)
 
 
-def _bus(driver: Any, clock: Clock, found: list[Any], duration: float, moves: bool) -> Iterator[str]:
-    """Every node answers and is well, and gets limp by an emergency stop."""
-    nodes = {one.node for one in found if isinstance(one, JointState | Heartbeat)}
-    if nodes != set(range(1, len(nodes) + 1)) or not nodes:
-        yield f"the nodes must be 1, 2, ..., got {sorted(nodes)}"
+def _bus(found: list[Any], duration: float) -> Iterator[str]:
+    """Every node answers, and says how it is."""
+    nodes = sorted({one.node for one in found if isinstance(one, JointState | Heartbeat)})
+    if not nodes or nodes != list(range(1, len(nodes) + 1)):
+        yield f"the nodes must be 1, 2, ..., got {nodes}"
     for kind, least in ((JointState, LEAST_ANSWERS), (Heartbeat, LEAST_BEATS)):
-        for node in sorted(nodes):
-            n = sum(isinstance(one, kind) and one.node == node for one in found)
-            if n < least * duration:
-                yield f"node {node} sent {n} {kind.__name__} in {duration:g} s"
-    sent = driver.send((Sync(counter=0),))
-    if [(type(one.message), one.is_ours) for one in sent] != [(Sync, True)] or driver.bus_off:
-        yield f"`send` must give the frames that went out, got {sent}; it says {driver.bus_off!r}"
+        counts = [sum(isinstance(one, kind) and one.node == node for one in found) for node in nodes]
+        if min(counts, default=0) < least * duration:
+            yield f"every node must send {least:g} {kind.__name__} a second, got {counts} in {duration:g} s"
+
+
+def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[str]:
+    """Modules are limp without references, and after an emergency stop."""
     angles = {one.node: one.angle for one in found if isinstance(one, JointState)}
-    stop = (EmergencyStop(reason=2),)
-    if moves and angles:
-        held = references([angles[node] for node in sorted(angles)])
-        on, _ = listen(driver, clock, 0.5, messages=(NodeCommand(order=Order.ENABLE), *held))
-        if not _states(on) or any(state != NodeState.ACTIVE for state in _states(on).values()):
-            yield f"modules must be active with references, got {_states(on)}"
-        off, _ = listen(driver, clock, LIMP_WITHIN)
-        if any(state.is_on for state in _states(off).values()):
-            yield f"modules must be limp {LIMP_WITHIN:g} s after the last references, got {_states(off)}"
-    after, _ = listen(driver, clock, LIMP_WITHIN, messages=stop)
-    if any(state.is_on for state in _states(after).values()):
-        yield f"modules must be limp after an emergency stop, got {_states(after)}"
-    driver.send((NodeCommand(order=Order.CLEAR),))
+    held = references([angles[node] for node in sorted(angles)]) if angles else ()
+    steps = [
+        ("active with references", (NodeCommand(order=Order.ENABLE), *held), 0.5, True),
+        ("limp without references", (), LIMP_WITHIN, False),
+        ("limp after an emergency stop", (EmergencyStop(reason=2),), LIMP_WITHIN, False),
+    ]
+    for what, messages, duration, is_on in steps if moves else steps[-1:]:
+        heard, _ = listen(driver, clock, duration, messages=messages)
+        states = {one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)}
+        if not states or any(state.is_on != is_on for state in states.values()):
+            yield f"modules must be {what}, got {states}"
+    sent = driver.send((NodeCommand(order=Order.CLEAR),))
+    if [(type(one.message), one.is_ours) for one in sent] != [(NodeCommand, True)] or driver.bus_off:
+        yield f"`send` must give the frames that went out, got {sent}; it says {driver.bus_off!r}"
 
 
-def _states(found: list[Heard]) -> dict[int, NodeState]:
-    """The last state of each node."""
-    return {one.value.node: one.value.state for one in found if isinstance(one.value, Heartbeat)}
-
-
-def _mocap(driver: Any, clock: Clock, found: list[Any], duration: float, moves: bool) -> Iterator[str]:
+def _mocap(found: list[Any], duration: float) -> Iterator[str]:
     """Poses of one body, none twice, with rotations that are some."""
     if all(pose.is_lost for pose in found):
         yield "the body must be seen"
-    stamps = [pose.time for pose in found]
-    if any(b <= a for a, b in zip(stamps, stamps[1:], strict=False)):
+    if any(after.time <= before.time for before, after in pairwise(found)):
         yield "the times of poses must grow"
-    for pose in found:
-        turned = pose.rotation
-        if turned is not None and not (
-            np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) and np.linalg.det(turned) > 0
-        ):
+    for turned in (pose.rotation for pose in found if pose.rotation is not None):
+        if not np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) or np.linalg.det(turned) < 0.0:
             yield f"a rotation must be one, got {turned.tolist()}"
             return
 
 
-def _meter(driver: Any, clock: Clock, found: list[Any], duration: float, moves: bool) -> Iterator[str]:
-    """Currents that are numbers."""
-    if not all(math.isfinite(reading.current) for reading in found):
-        yield "currents must be finite"
-    driver.restart()
+def _meter(found: list[Any], duration: float) -> Iterator[str]:
+    """Currents that are numbers, at least one a second."""
+    if len(found) < math.floor(duration) or not all(math.isfinite(reading.current) for reading in found):
+        yield f"readings must be finite, and come at least once a second, got {found}"
 
 
-def _stop(driver: Any, clock: Clock, found: list[Any], duration: float, moves: bool) -> Iterator[str]:
+def _stop(found: list[Any], duration: float) -> Iterator[str]:
     """No reason to stop, as long as the contact is closed."""
     if found:
         yield f"the contact must be closed for this test: {found[0]}"
