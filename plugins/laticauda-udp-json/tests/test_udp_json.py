@@ -132,11 +132,13 @@ def test_a_whole_trial_runs_over_it_and_it_keeps_the_contract(address, tmp_path:
     body = lab.VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
     nodes = lab.NodeSettings(hold_after=3.0, limp_after=4.0, startup_time=0.2, calibration_time=0.2)
     tank = lab.Tank(body, lab.LabSettings(nodes=nodes))
-    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"), server=Sender(address))
+    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
+    served.server = Sender(address)
     result = swum(served, tmp_path, bus="virtual:udp-json", mocap=f"udp-json@{address}")
     assert result.accepted, result.reason
     assert lc.load_trial(tmp_path / "whole.nc").forward_velocity > 0.0
-    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"), server=Sender(address))
+    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
+    served.server = Sender(address)
     with served:
         absent = "udp-json@127.0.0.1:1"
         assert contract.broken("mocap", f"udp-json@{address}", absent=absent, body=lab.BODY, duration=0.5) == ()

@@ -7,6 +7,8 @@ Floats, complex steps and lanes go through the same source.
 # pyright: reportCallIssue=false
 
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 from numba.extending import overload
@@ -17,24 +19,9 @@ from laticauda.compiling.lanes import bit, power_of_two, where
 
 # Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
 SHIFT = 6755399441055744.0
-# The minimax polynomials of fdlibm's kernels, (sin(x) / x - 1) / x^2 and (cos(x) - 1 + x^2 / 2) / x^4 in powers of x^2,
-# and the power series of (exp(x) - 1) / x; highest power first.
-SINE = (
-    1.58969099521155010221e-10,
-    -2.50507602534068634195e-08,
-    2.75573137070700676789e-06,
-    -1.98412698298579493134e-04,
-    8.33333333332248946124e-03,
-    -1.66666666666666324348e-01,
-)
-COSINE = (
-    -1.13596475577881948265e-11,
-    2.08757232129817482790e-09,
-    -2.75573143513906633035e-07,
-    2.48015872894767294178e-05,
-    -1.38888888888741095749e-03,
-    4.16666666666666019037e-02,
-)
+# Polynomials of sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+SINE, COSINE = tuple(_TABLE["sine"]), tuple(_TABLE["cosine"])
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 

@@ -53,7 +53,7 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
 
 
 def digest_of(*modules: str, package: Path = PACKAGE) -> str:
-    """Digest of the text of the `closure` of modules, 16 hexadecimal digits.
+    """Digest of the text of the `closure` of modules, with the tables beside them, 16 hexadecimal digits.
 
     Args:
         modules: Their full names.
@@ -61,7 +61,8 @@ def digest_of(*modules: str, package: Path = PACKAGE) -> str:
     """
     digest = hashlib.sha256()
     for path in closure(*modules, package=package):
-        digest.update(path.read_bytes())
+        for part in (path, path.with_suffix(".toml")):  # a table beside a module is a part of it
+            digest.update(part.read_bytes() if part.exists() else b"")
     return digest.hexdigest()[:16]
 
 

@@ -80,24 +80,17 @@ class Lab:
         host: Where the cameras' server listens; the default is this computer alone.
         port: Likewise; 0: any that is free.
         speed: Seconds of the lab for one second of ours.
-        server: What stands for the cameras' server, with its `start`, `publish` and `stop`; None: that of QTM.
     """
 
     def __init__(
-        self,
-        tank: Tank,
-        *,
-        bus: BusAddress | Any,
-        host: str = LOOPBACK,
-        port: int = qtm.PORT,
-        speed: float = 1.0,
-        server: Any = None,
+        self, tank: Tank, *, bus: BusAddress | Any, host: str = LOOPBACK, port: int = qtm.PORT, speed: float = 1.0
     ) -> None:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
         """What the clock had to wait in all, because this computer could not follow [s]."""
         self._bus_address, self._wires = bus, ExitStack()
-        self._server = server or QtmServer(tank.settings.mocap.rate, host, port)
+        self.server: Any = QtmServer(tank.settings.mocap.rate, host, port)
+        """Of the cameras; another that starts, publishes and stops as it does may take its place before `open`."""
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
@@ -112,11 +105,11 @@ class Lab:
         with ExitStack() as wires:
             bus = self._bus_address
             self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
-            wires.callback(self._server.stop)
-            self._server.start()
+            wires.callback(self.server.stop)
+            self.server.start()
             line = wires.enter_context(SerialLine(self._answer))
             self._wires = wires.pop_all()
-        host, port = self._server.host, self._server.port
+        host, port = self.server.host, self.server.port
         return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)
 
     def close(self) -> None:
@@ -206,7 +199,7 @@ class Lab:
             except can.CanError:  # a full buffer loses frames, as a busy bus does
                 break
         for frame in self.tank.captured():
-            self._server.publish(frame)
+            self.server.publish(frame)
 
     def _answer(self, line: str) -> bytes:
         with self._lock:

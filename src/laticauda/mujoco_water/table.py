@@ -1,11 +1,11 @@
 """Where every number sits that the compiled loads read: the table of one model, its water, and its elements."""
 
 # pyright: reportUntypedNamedTuple=false
+import tomllib
 from collections import namedtuple
 from itertools import accumulate
 from pathlib import Path
 
-from laticauda.files import read_toml
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 
@@ -54,7 +54,7 @@ IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
 
 # --- One record of numbers per element: where what it has begins
-RECORD: dict[str, int] = read_toml(Path(__file__).with_name("record.toml"))
+RECORD: dict[str, int] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 PLACES = (*accumulate(RECORD.values(), initial=0),)
 (POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[:9]
 (PULL, VOLUME, TETHER_DRAG, WAKE_MASS, SHAPE, PLATE, CONTACT, OWN_MASS, OWN_INERTIA, LAW_NUMBERS) = PLACES[9:]

@@ -1,12 +1,14 @@
 """Cameras: one that follows a robot calmly, one beside it, one above it, and one that stands still and sees it all."""
 
 import math
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import load_mujoco, within
+from laticauda.files import read_toml
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 from laticauda.spatial.bodies import center_of_mass
@@ -15,12 +17,7 @@ from laticauda.trial import Trial
 Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0  # vertical angle of view
 # How far it looks down, and its direction to the robot's own: follow is to its right with the head toward us.
-DIRECTIONS: dict[str, tuple[float, float]] = {
-    "follow": (24.0, 118.0),
-    "side": (3.0, 90.0),
-    "top": (89.9, 90.0),
-    "fixed": (32.0, 90.0),
-}
+DIRECTIONS: dict[str, tuple[float, float]] = read_toml(Path(__file__).with_suffix(".toml"))
 ROOM = 1.36  # width of the picture at the robot, in lengths of the robot
 BELOW = 0.07  # how far below the robot `follow` looks, in its lengths: there is its shadow
 CALM, CALM_TURN = 0.75, 1.5  # how far it looks around in time, in periods of the gait

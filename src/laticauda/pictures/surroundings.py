@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from laticauda import codec
 from laticauda.errors import load_mujoco
 from laticauda.files import read_toml
 from laticauda.fluid.arrows import Surface, arrows_of, grid, has_waves
@@ -52,7 +53,7 @@ class Look:
     """Light from everywhere."""
 
 
-WATER, AIR, LAND = (Look(**one) for one in read_toml(Path(__file__).with_name("looks.toml")).values())
+WATER, AIR, LAND = (codec.decode(Look, one) for one in read_toml(Path(__file__).with_name("looks.toml")).values())
 
 
 def add_surroundings(

@@ -163,11 +163,8 @@ def _environment(given: object, robot: robots.Robot) -> Any:
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 """The robots on whose trials the paper's waters were identified."""
-ORIGINS = {
-    "lateral_undulation": "the paper's for lateral undulation",
-    "eel_like": "the paper's for eel-like motion",
-    "anguilliform": "the paper's for eel-like motion",
-}
+ORIGINS: dict[str, str] = dict.fromkeys(("eel_like", "anguilliform"), "the paper's for eel-like motion")
+ORIGINS["lateral_undulation"] = "the paper's for lateral undulation"
 
 
 class Chosen(NamedTuple):

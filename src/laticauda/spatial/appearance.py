@@ -27,7 +27,8 @@ GAP = 0.012  # between two housings, filled by the bellows [m]
 CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
 AROUND = 20  # vertices around a section; the eye sees no corners
 NOSE = 1.5  # length of the rounded front, in half heights
-MATERIALS: dict[str, Any] = read_toml(Path(__file__).with_suffix(".toml"))
+_MATERIALS = read_toml(Path(__file__).with_suffix(".toml"))
+MATERIALS: dict[str, Any] = {name: (tuple(color), shine) for name, (color, shine) in _MATERIALS.items()}
 """Red, green, blue and opacity; how much it shines."""
 
 

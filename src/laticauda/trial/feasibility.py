@@ -25,12 +25,8 @@ from laticauda.series import Log
 
 Joints = Float[np.ndarray, "n_samples n_joints n_runs"]
 
-NEEDS = {
-    "peak_joint_angle": ("joint_angle",),
-    "peak_joint_rate": ("joint_rate",),
-    "peak_joint_torque": ("joint_torque",),
-    "utilization": ("joint_angle", "joint_rate", "joint_torque"),
-}
+_SERIES = ("joint_angle", "joint_rate", "joint_torque")
+NEEDS = {f"peak_{name}": (name,) for name in _SERIES} | {"utilization": _SERIES}
 """The figures of this module, and what of a log each needs."""
 AT_ONCE = 1 << 20  # samples times pairs of links that are looked at together: 100 MB
 ROUNDING = 1e-9

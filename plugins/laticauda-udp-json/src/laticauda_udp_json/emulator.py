@@ -50,7 +50,8 @@ def main() -> None:
     robot = lc.load_robot("mamba")
     body = lab.VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
     sender, bus = Sender(*sys.argv[1:2]), protocol.bus_address("udp_multicast")
-    served = lab.Lab(lab.Tank(body), bus=bus, server=sender)
+    served = lab.Lab(lab.Tank(body), bus=bus)
+    served.server = sender
     addresses = served.open()
     print(f"bus {bus} | udp-json {sender.host}:{sender.port} | meter {addresses.meter}", flush=True)
     try:

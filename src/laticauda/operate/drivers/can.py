@@ -4,19 +4,17 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
+from laticauda.files import read_toml
 from laticauda.operate.drivers.base import Bus, Frame
 from laticauda.protocol import BusFailed, CanMessage, bus_address, from_frame, from_node, open_bus, to_frame
 from laticauda.protocol.worker import Clock, DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # of the identifier of Linux' error frames
-ADVICE = {
-    "socketcan": "check that the interface is up: `ip link set can0 up type can bitrate 1000000`",
-    "udp_multicast": "check the address and that this computer has a network",
-    "virtual": "check the channel's name",
-}
+ADVICE: dict[str, str] = read_toml(Path(__file__).with_suffix(".toml"))
 
 
 class CanDriver(Bus):
@@ -31,7 +29,7 @@ class CanDriver(Bus):
         try:
             self._bus = open_bus(where)
         except BusFailed as error:
-            raise DeviceFailed(f"{error} {ADVICE[where.interface].capitalize()}.") from error
+            raise DeviceFailed(f"{error} {ADVICE[where.interface]}") from error
         self._start()
 
     @classmethod

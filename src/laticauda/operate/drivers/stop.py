@@ -22,12 +22,11 @@ class SerialLine(StopInput):
 
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
-        port, name = self._parts(address)
-        self._name, self._serial = name, hardware("pyserial", "serial")
-        self._port: Any = None
+        port, _, line = address.partition(":")
+        self._name, self._port = line or LINES[0], None
         try:
-            self._port = self._serial.Serial(port)
-            getattr(self._port, name)
+            self._port: Any = hardware("pyserial", "serial").Serial(port)
+            getattr(self._port, self._name)
         except (OSError, ValueError) as error:
             self.release()
             raise DeviceFailed(
@@ -40,12 +39,7 @@ class SerialLine(StopInput):
     def check(cls, address: str) -> None:
         """See `Driver.check`."""
         super().check(address)
-        one_of("address", cls._parts(address)[1], LINES)
-
-    @staticmethod
-    def _parts(address: str) -> tuple[str, str]:
-        port, _, line = address.partition(":")
-        return port, line or LINES[0]
+        one_of("address", address.partition(":")[2] or LINES[0], LINES)
 
     def look(self) -> str:
         """See `StopInput.look`."""

@@ -1,0 +1,48 @@
+"""`laticauda drivers`: which drivers there are, and what comes from one alone."""
+
+from laticauda.cli import command, tables
+from laticauda.errors import BadArgument
+from laticauda.operate import drivers
+from laticauda.operate.drivers.contract import listen
+from laticauda.operate.settings import Connection
+from laticauda.quantities import option, quantity, value
+
+
+@value
+class Drivers(command.Command):
+    """List the drivers of devices, or try one alone: connect, listen, print what comes, how often, and how old it is.
+
+    Nothing moves: modules are asked to measure only. The status is 1 if nothing comes, or the driver has a trouble.
+
+    For example: laticauda drivers --mocap qtm@127.0.0.1:22223
+    """
+
+    bus: str | None = option("Try this modules' bus: [DRIVER@]ADDRESS, as in a trial file", default=None)
+    mocap: str | None = option("Try this motion capture, likewise", default=None)
+    body: str | None = option("Its rigid body; the only one if left out", default=None)
+    meter: str | None = option("Try this power meter, likewise", default=None)
+    stop: str | None = option("Try this emergency-stop input, likewise", default=None)
+    duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)
+
+    def run(self) -> command.Outcome:
+        """Try it."""
+        wanted = {kind: typed for kind in drivers.KINDS if (typed := getattr(self, kind)) is not None}
+        if not wanted:
+            known = {kind: base.names() for kind, base in drivers.KINDS.items()}
+            lines = tables.aligned([(kind, ", ".join(names)) for kind, names in known.items()])
+            return command.Outcome(facts=known, text=lines)
+        (kind, *others), clock = wanted, drivers.Clock()
+        if others:
+            raise BadArgument(others[0], f"must not be given beside --{kind}: one driver is tried alone")
+        with Connection(mocap_body=self.body or "").at(**wanted).opened(kind, clock) as driver:
+            heard, longest = listen(driver, clock, self.duration)
+            now, trouble = clock.now(), driver.trouble
+        rows = [
+            {"what": what, "count": len(mine), "rate [1/s]": len(mine) / self.duration}
+            | {"age [s]": now - mine[-1].time, "last": " ".join(repr(mine[-1].value).split())}
+            for what in sorted({one.what for one in heard})
+            if (mine := [one for one in heard if one.what == what])
+        ]
+        wrong = trouble or ("" if bool(rows) != (kind == "stop") else "Nothing comes." if not rows else "It says stop.")
+        facts = {"heard": rows, "longest_call": longest, "trouble": trouble}
+        return command.Outcome(facts=facts, text=tables.table(rows), problem=wrong, succeeded=not wrong)
