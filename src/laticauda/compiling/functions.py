@@ -20,8 +20,7 @@ from laticauda.compiling.lanes import bit, power_of_two, where
 # Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
 SHIFT = 6755399441055744.0
 # Polynomials of sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
-_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-SINE, COSINE = tuple(_TABLE["sine"]), tuple(_TABLE["cosine"])
+SINE, COSINE = map(tuple, tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).values())
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 

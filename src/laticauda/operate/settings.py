@@ -212,6 +212,7 @@ class Limits:
     max_current: float = quantity("A", "of a motor, longer than `current_time`", gt=0.0, default=4.4)
     current_time: float = quantity("s", "for which a motor may draw more", gt=0.0, default=3.0)
     min_voltage: float = quantity("V", "of the supply at a module", gt=0.0, default=28.0)
+    max_voltage: float = quantity("V", "of the supply at a module", gt=0.0, default=math.inf)
     max_joint_error: float = quantity("rad", "for longer than `joint_error_time`", gt=0.0, default=math.radians(45.0))
     joint_error_time: float = quantity("s", "for which a joint may be further off", gt=0.0, default=2.0)
     heartbeat_timeout: float = quantity("s", "a module that is silent for longer is lost", gt=0.0, default=0.5)

@@ -95,7 +95,7 @@ def broken(
         found += [] if right else ["times of arrival must be those of the given clock, and grow"]
         found += [f"a call of the loop took {longest:.3f} s"] if longest > LONGEST else []
         found += [f"it says: {driver.trouble}"] if driver.trouble else []
-        few = len(values) < math.floor(LEAST_RATE.get(kind, 0.0) * duration)
+        few = kind in ("mocap", "meter") and len(values) < math.floor(duration)
         found += [f"{len(values)} items came in {duration:g} s"] if few else RULES[kind](values, duration)
         if kind == "bus":
             found += _limp(driver, clock, values, moves)
@@ -168,5 +168,3 @@ def _others(found: list[Any], duration: float) -> Iterator[str]:
 
 
 RULES = {"bus": _bus, "mocap": _mocap, "meter": _others, "stop": _others}
-LEAST_RATE = {"mocap": 1.0, "meter": 1.0}
-"""Of what comes in, of kinds that are not asked [1/s]."""

@@ -237,6 +237,8 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
             found.setdefault("over_current", f"module {node}")
         if beat.voltage < limits.min_voltage:
             found.setdefault("low_voltage", f"module {node}: {beat.voltage:.1f} V")
+        if beat.voltage > limits.max_voltage:
+            found.setdefault("high_voltage", f"module {node}: {beat.voltage:.1f} V")
         if beat.state == NodeState.FAULT:
             faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
             if faults:
