@@ -130,7 +130,9 @@ def test_the_vendors_own_client_reads_and_writes_the_emulator(servos):
         port.closePort()
 
 
-def test_a_whole_trial_runs_over_it(tmp_path: Path):
+def test_a_whole_trial_runs_over_it(tmp_path: Path, monkeypatch):
+    for name, patient in {"HOLD_AFTER": 3.0, "LIMP_AFTER": 4.0, "WATCHDOG": 127}.items():  # on a busy computer
+        monkeypatch.setattr(f"laticauda_dynamixel.driver.{name}", patient)
     tank = tank_of_servos()
     servos = Servos(len(tank.nodes))
     result = swum(lab.Lab(tank, bus=servos, port=0), tmp_path, bus=f"dynamixel@{servos.path}")

@@ -33,7 +33,8 @@ from laticauda_dynamixel import packets
 from laticauda_dynamixel.packets import BROADCAST, Instruction, Packet, Reader, Register
 
 BAUD_RATE = 1_000_000
-ANSWER_TIME = 0.05  # for an answer [s, wall clock]
+ANSWER_TIME = 0.15  # for the answers to a packet [s, wall clock]
+PING_TIME, SILENCE = 2.0, 0.3  # for answers to a ping, and after the last of them [s, wall clock]
 IDLE = 0.05  # the longest between two cycles [s, wall clock]
 BEAT = 0.1  # [s]
 HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # without references [s]
@@ -106,7 +107,7 @@ class Dynamixel(Bus):
 
     def _found_servos(self) -> dict[int, Servo]:
         """Who answers a ping to all."""
-        answers = self._asked_for(Packet(BROADCAST, Instruction.PING, b""), None, 0.3)
+        answers = self._asked_for(Packet(BROADCAST, Instruction.PING, b""), None, PING_TIME)
         numbers = sorted(answers)
         if not numbers:
             raise DeviceFailed(
@@ -302,4 +303,5 @@ class Dynamixel(Bus):
             for answer in self._reader.feed(self._port.read(max(self._port.in_waiting, 1))):
                 if answer.instruction == Instruction.STATUS and answer.data:
                     found[answer.number] = answer.data[1:]
+                    end = min(end, time.monotonic() + SILENCE) if who is None else end
         return found

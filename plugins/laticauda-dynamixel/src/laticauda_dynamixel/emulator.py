@@ -148,6 +148,8 @@ class Servos(AbstractContextManager["Servos"]):
     def _measure(self) -> None:
         """Let the modules take up all goals, and measure."""
         steps = [struct.unpack_from("<i", table, Register.GOAL_POSITION)[0] for table in self.tables.values()]
+        if not steps:
+            return
         self._to_tank += references([(one - packets.MIDDLE) * 2.0 * math.pi / packets.TURN for one in steps])
         self._to_tank.append(Sync(counter=self._counter))
         self._counter = (self._counter + 1) % 65536
