@@ -92,9 +92,9 @@ assert short_reproduction  # a fixture
 @pytest.mark.usefixtures("short_reproduction")
 @pytest.mark.parametrize("words", [words for words in app.COMMANDS if words not in SERVERS])
 def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
-    if words == "operate":
+    if words in ("operate", "drivers"):
         assert example_of(run, words)
-        pytest.skip("needs a robot: tests/cli/test_operate.py runs it in the virtual tank")
+        pytest.skip(f"needs a robot: tests/cli/test_{words}.py runs it in the virtual tank")
     bare, fin = ("run.nc", "bare.nc", "run-1.nc"), ("fin.nc",)
     for name, flags in ({n: "" for n in bare} | {n: "--robot mamba-fin" for n in fin} | {"run-2.nc": EEL}).items():
         assert run(f"swim {flags} --duration 3 --save {name}").status == 0

@@ -89,6 +89,7 @@ def test_the_page_names_the_limits_of_every_event_that_has_some():
         "over_temperature": ["max_temperature"],
         "over_current": ["max_current", "current_time"],
         "low_voltage": ["min_voltage"],
+        "high_voltage": ["max_voltage"],
         "joint_error": ["max_joint_error", "joint_error_time"],
         "lost_heartbeat": ["heartbeat_timeout"],
         "lost_joints": ["joint_timeout"],
