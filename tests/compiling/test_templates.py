@@ -1,6 +1,7 @@
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -56,7 +57,8 @@ def copy_with_machine_code(tmp_path):
 def test_an_edit_of_any_file_that_a_kernel_is_made_of_changes_its_digest(copy, modules):
     before = digest_of(*modules, package=copy)
     assert before == digest_of(*modules)
-    for path in closure(*modules, package=copy):
+    sources = closure(*modules, package=copy)
+    for path in (*sources, *filter(Path.exists, (path.with_suffix(".toml") for path in sources))):
         text = path.read_text()
         path.write_text(text + "# an edit\n")
         assert digest_of(*modules, package=copy) != before, path

@@ -261,6 +261,14 @@ def test_what_a_heartbeat_says_is_an_event_of_its_module_whoever_else_is_not_hea
     assert said == found
 
 
+def test_a_supply_beyond_the_greatest_voltage_is_an_event_where_that_is_set():
+    seen = replace(seen_at(10.0, WELL, replace(WELL, node=2, voltage=36.5)), references=None)
+    assert compare(LIMITS, within_limits(2), seen)[1] == {}
+    assert compare(replace(LIMITS, max_voltage=36.5), within_limits(2), seen)[1] == {}
+    found = compare(replace(LIMITS, max_voltage=36.0), within_limits(2), seen)[1]
+    assert found == {"high_voltage": "module 2: 36.5 V"}
+
+
 def test_modules_have_a_second_to_follow_the_first_references():
     limp = (WELL, Heartbeat(node=2, state=NodeState.LIMP))
     state = replace(within_limits(2), sending=5.0)
