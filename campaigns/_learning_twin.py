@@ -3,6 +3,9 @@
 A twin in still water, whose joints do what the robot's report, swims the last minute anew every half cycle; beside it
 one for each unknown coefficient, which is a little larger there. How far the robot's ways are off the twin's is nearly
 linear in what is unknown: least squares do the rest. See docs/theory/learning-twin.md.
+
+This belongs into `laticauda.estimation` and, for every recording, beside `operate`; until there is room for it, it
+stands here.
 """
 
 import math
@@ -34,6 +37,7 @@ TICK, POSITION, HEADING = 0.01, 1e-3, 3e-3  # between samples of a twin [s]; sca
 MEDIAN = 0.455  # of the square of a normal number
 PLAY, PLAY_TORQUE = 0.01, 0.3  # usual [rad], and what has a gear touch on one side [N m]
 CRAB = 0.005  # by which the robot points elsewhere than is seen: joints' zeros, markers [rad]
+FLOOR, FLOOR_CURRENT = 0.02, 1.2e-3  # what repeats in every cycle and no fit sees: of coefficients, current [m/s]
 STILL = 0.02  # swing of a joint that is not asked to move [rad]
 
 
@@ -47,7 +51,7 @@ class Learner:
     window: float = quantity("s", "how long anything is remembered", gt=5.0, default=60.0)
     doubt: float = quantity("", "standard deviations beyond which the water has changed", gt=0.0, default=10.0)
     stuck: float = quantity("", "share of its usual swing below which a joint is stuck", gt=0.0, default=0.3)
-    weak: float = quantity("", "below which it is weak", gt=0.0, default=0.85)
+    weak: float = quantity("", "below which it is weak", gt=0.0, default=0.88)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,12 +95,14 @@ class Learning:
         )
         self._guess = self._mean = np.zeros(self._opening.size)
         self._deviation = self._opening
+        self._floor = np.array([FLOOR] * len(settings.unknown) + [0.05, 1.0, FLOOR_CURRENT, FLOOR_CURRENT])
         self._bounds, self._swings, self._named = list[float](), list[Array](), set[tuple[int, str]]()
         self._poses, self._joints, self._sent = (list[tuple[float, ...]]() for _ in range(3))
+        self._doubts, self._weak = 0, 0
 
     @property
     def known(self) -> dict[str, tuple[float, float]]:
-        """Every coefficient, the joints' `play` and the `crab` angle [rad], the current [m/s]: value, standard deviation."""
+        """Coefficients, the joints' `play` and the `crab` angle [rad], the current [m/s]: value, standard deviation."""
         value = [getattr(self._water(self._mean), name) for name in self.settings.unknown]
         scale = np.array([*value, PLAY, CRAB, 1.0, 1.0])
         found = zip([*value, *(scale * self._mean)[-4:].tolist()], (scale * self._deviation).tolist(), strict=True)
@@ -157,28 +163,38 @@ class Learning:
         cycles = _cycles(np.einsum("kij,ki->kj", design, off - design @ step) / size)
         spread = cycles.T @ cycles * len(cycles) / max(len(cycles) - len(step), 1) + np.diag(prior)
         back = np.linalg.inv(told)
-        self._deviation = np.sqrt(np.diag(back @ spread @ back))
+        self._deviation = np.sqrt(np.diag(back @ spread @ back) + self._floor**2)
         return ()
 
     def _surprised(self, off: Array, design: Array, poses: Array, joints: Array) -> tuple[str, ...]:
         """What has happened, if the last cycle is not like those before it; then they are forgotten."""
+        changes = self._without_fin(off, poses, joints)
         *before, last = _cycles(np.einsum("kij,ki->kj", design, off))
-        if len(before) < LEAST:
+        if len(before) >= LEAST and not changes:
+            size = float(np.median(off * off)) / MEDIAN
+            noise = 2.0 * size * np.einsum("kij,kil->jl", design, design) / len(off)
+            noise += size**2 * np.diag(self._opening**-2.0)
+            usual = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (len(before) + LEAST)
+            is_odd = float(last @ np.linalg.solve(usual, last)) > self.settings.doubt**2
+            self._doubts = self._doubts + 1 if is_odd else 0
+            changes = ("The water is not what it was.",) if self._doubts == 2 else ()
+        if changes:
+            self.plant, self._doubts = replace(self.plant, environment=self._water(self._mean)), 0
+            self._mean = np.concatenate((0.0 * self._mean[:-4], self._mean[-4:]))
+            self._guess = 0.0 * self._mean
+            self._forget(self._bounds[-3])
+        return changes
+
+    def _without_fin(self, off: Array, poses: Array, joints: Array) -> tuple[str, ...]:
+        """Whether the last cycle is rather that of the robot without its fin, which the twin loses, too, then."""
+        with_fin = self.plant
+        if with_fin.robot.caudal_fin is None:
             return ()
-        size = float(np.median(off * off)) / MEDIAN
-        noise = 2.0 * size * np.einsum("kij,kil->jl", design, design) / len(off) + size**2 * np.diag(self._opening**-2.0)
-        usual = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (len(before) + LEAST)
-        if float(last @ np.linalg.solve(usual, last)) < self.settings.doubt**2:
-            return ()
-        found, fit = "The water is not what it was.", replace(self.plant, environment=self._water(self._mean))
-        if self.plant.robot.caudal_fin is not None:
-            self.plant = replace(self.plant, robot=replace(fit.robot, caudal_fin=None))
-            other = self._compared(poses, joints)[0][-2:]
-            if np.sum(other**2) < 0.5 * np.sum(off[-2:] ** 2):
-                found, fit = "The fin is gone.", replace(fit, robot=self.plant.robot)
-        self.plant, self._mean[:-4], self._guess = fit, 0.0, np.zeros_like(self._mean)
-        self._forget(self._bounds[-3])
-        return (found,)
+        self.plant = replace(with_fin, robot=replace(with_fin.robot, caudal_fin=None))
+        if np.sum(self._compared(poses, joints)[0][-2:] ** 2) < 0.5 * np.sum(off[-2:] ** 2):
+            return ("The fin is gone.",)
+        self.plant = with_fin
+        return ()
 
     def _compared(self, poses: Array, joints: Array) -> tuple[Array, Array]:
         """How far the robot is off the twin in every stretch, and how much nearer each unknown brings them.
@@ -242,13 +258,13 @@ class Learning:
             return ()
         self._swings.append(swing / asked)
         share = self._swings[-1] / np.median(self._swings[:-2] or self._swings, axis=0)
-        found: list[str] = []
-        for number, one in enumerate(share.tolist(), start=1):
-            word = "is stuck" if one < self.settings.stuck else "is weak" if one < self.settings.weak else ""
-            if word and (number, word) not in self._named:
-                self._named |= {(number, word)}
-                found.append(f"Joint {number} {word}: it swings {100.0 * one:.0f} % of what it did.")
-        return tuple(found)
+        worst = int(share.argmin())
+        self._weak = self._weak + 1 if share[worst] < self.settings.weak else 0
+        word = "is stuck" if share[worst] < self.settings.stuck else "is weak" if self._weak == 3 else ""
+        if not word or (worst, word) in self._named or (word == "is weak" and self._named):
+            return ()
+        self._named |= {(worst, word)}
+        return (f"Joint {worst + 1} {word}: it swings {100.0 * share[worst]:.0f} % of what it did.",)
 
 
 def _covers(samples: Array, begin: float, end: float) -> bool:
@@ -270,7 +286,7 @@ def _reported(time: Array, joints: Array, ticks: Array) -> Command:
 
 
 def _way(place: Array, angle: Array, towards: Array) -> Array:
-    """Two coordinates and the heading over every stretch, from their middle and turned as the robot is, by the noise."""
+    """Two coordinates and the heading over every stretch, from their middle, turned as the robot is: by the noise."""
     turn = np.exp(1j * np.mean(towards - angle, axis=1, keepdims=True))
     way = turn * (place - place.mean(axis=1, keepdims=True))
     return np.stack((way.real / POSITION, way.imag / POSITION, (angle - angle.mean(axis=1, keepdims=True)) / HEADING))
