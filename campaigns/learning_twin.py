@@ -163,10 +163,10 @@ def table(rows: list[Row]) -> str:
                 f"    {name:<20} after {at:.0f} s: {100 * sum(within) / max(len(within), 1):>4.0f} % within 95 %"
             )
     lines.append(f"    all {len(every)} intervals: {100 * sum(every) / max(len(every), 1):.1f} % hold the truth")
-    errors = sorted(abs(row.speed) for row in good)
+    errors = sorted(100.0 * abs(row.speed) for row in good)
     if errors:
         lines.append(
-            f"    speed of the next minute: off by {100 * median(errors):.1f} % (median), {100 * errors[-1]:.1f} % at most"
+            f"    speed of the next minute: off by {median(errors):.1f} % (median), {errors[-1]:.1f} % at most"
         )
     alarms = [row for row in good if row.named]
     lines.append(f"    named although nothing happened: {len(alarms)}")
