@@ -165,9 +165,7 @@ def table(rows: list[Row]) -> str:
     lines.append(f"    all {len(every)} intervals: {100 * sum(every) / max(len(every), 1):.1f} % hold the truth")
     errors = sorted(100.0 * abs(row.speed) for row in good)
     if errors:
-        lines.append(
-            f"    speed of the next minute: off by {median(errors):.1f} % (median), {errors[-1]:.1f} % at most"
-        )
+        lines.append(f"    speed of the next minute: off by {median(errors):.1f} %, {errors[-1]:.1f} % at most")
     alarms = [row for row in good if row.named]
     lines.append(f"    named although nothing happened: {len(alarms)}")
     for fault, kind in FAULTS.items():
