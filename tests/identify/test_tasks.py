@@ -77,3 +77,12 @@ def test_what_is_fixed_reaches_every_measurement_and_the_parameter_file(tmp_path
     )
     kept = small.parameters(small.run(threads=1))
     assert kept.changes == {"caudal_fin": {"normal_drag": 1.4}}
+
+
+def test_a_key_that_names_no_number_is_told_with_the_file(tmp_path):
+    path = tmp_path / "task.toml"
+    path.write_text('kind = "identification"\nparameters = ["water.normal_dragg"]\n[table1]\nsigma = 0.05\n')
+    with pytest.raises(
+        RobotFileError, match=r"task\.toml: key `parameters`: must name numbers of .*'water.normal_dragg'"
+    ):
+        load_task(path).run(threads=1)

@@ -128,6 +128,13 @@ def test_without_a_model_a_joint_may_lack_half_of_its_swing_and_no_more(truth):
         assert found["swing_error"].word == found["turn_change"].word == "not checked"
 
 
+def test_without_a_model_a_servo_may_be_late_and_a_joint_that_is_bent_aside_is_wrong(truth):
+    assert judged(log_of(truth), plant=None)["joint_error"].share < 0.7
+    bent = truth.joint_angle + math.radians(5.0) * np.eye(truth.joint_angle.shape[1])[1]
+    found = judged(log_of(truth, angle=bent), plant=None)["joint_error"]
+    assert (found.word, found.says[-8:]) == ("WRONG", "module 2")
+
+
 def test_a_sensor_that_jumps_is_named_when_it_does(truth):
     angle = truth.joint_angle.copy()
     angle[500:, 5] += math.radians(4.0)

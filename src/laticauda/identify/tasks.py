@@ -172,7 +172,12 @@ class Task:
     def run(self, *, threads: int | None = None, progress: Progress | None = None, keep: Keep | None = None) -> Fit:
         """Identify; arguments and errors as for `fit`."""
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
-        return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
+        try:
+            return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
+        except BadArgument as error:
+            if error.name != "parameters" or not self.sources:
+                raise
+            raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
 
     def with_law(self, law: lc.Parameters) -> "Task":
         """The same with the water, the joints and all else of a parameter file, as far as the task does not say them.

@@ -82,7 +82,7 @@ def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None =
         log: The recording.
         limits: What is right.
         plant: The same robot in its water with servos in its joints; None, or an operation in depth: what needs it is
-            not checked, and joints are compared with their references alone, of whose swing they may lack half.
+            not checked, and of a joint its mean and its swing alone, of which it may lack half.
     """
     run = _Run(log, plant)
     found = dict(run.checked())
@@ -113,11 +113,9 @@ def spoken(log: OperationLog, plant: Callable[..., Plant[Any]]) -> Mapping[str, 
         plant: `laticauda.plant`, which makes the robot to compare with.
     """
     found, run = [one.data for one in log.of(Event) if one.kind == "verdict"], log.header.run
-    return (
-        found[0]
-        if found
-        else verdict_of(log, Acceptance(), plant(run.robot, run.environment, joints="servo")).summary()
-    )
+    if found:
+        return found[0]
+    return verdict_of(log, Acceptance(), plant(run.robot, run.environment, joints="servo")).summary()
 
 
 class _Run:
@@ -210,10 +208,14 @@ class _Run:
         measured = self._at(ticks, self._columns("angle"))[..., self.driven]
         held = np.searchsorted([one.time for one in self.references], self.grid, side="right") - 1
         asked = np.array([one.angle for one in self.references])[:, self.driven][np.maximum(held, 0)]
-        error, lag = measured - asked, -0.5 * (asked - asked.mean(axis=1, keepdims=True))
-        lag = self._at(self.model[0], self.model[1]) - asked if self.model else lag
-        share = np.sum(error * lag, axis=1) / np.maximum(np.sum(lag * lag, axis=1), 1e-12)
-        off = np.sqrt(np.mean((error - np.clip(share, 0.0, 1.0)[:, np.newaxis] * lag) ** 2, axis=1))
+        error, swing = measured - asked, asked.std(axis=1)
+        if self.model:
+            lag = self._at(self.model[0], self.model[1]) - asked
+            share = np.sum(error * lag, axis=1) / np.maximum(np.sum(lag * lag, axis=1), 1e-12)
+            off = np.sqrt(np.mean((error - np.clip(share, 0.0, 1.0)[:, np.newaxis] * lag) ** 2, axis=1))
+        else:  # how late a servo may be, nobody says: only how far and about what it swings
+            off = np.maximum(np.abs(error.mean(axis=1)), np.abs(measured.std(axis=1) - swing) - 0.5 * swing)
+            off[0] = 0.0  # it began at rest
         yield "joint_error", (self.ends, off.max(axis=1), f"module {self.driven[int(off.max(axis=0).argmax())] + 1}")
         if all(one.rate is not None for one in self.samples):
             rate, step = self._columns("rate"), np.diff(ticks)[:, np.newaxis]

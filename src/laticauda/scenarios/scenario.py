@@ -72,15 +72,6 @@ class Spatial(_Model):
 
     rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
 
-    @staticmethod
-    def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """The `table` of a file with a scene where older ones have a tank or a shore."""
-        found = dict(table)
-        tank, shore = found.pop("tank", None), found.pop("shore", None)
-        if tank or shore is not None:
-            found.setdefault("scene", {"kind": "tank"} if tank else {"kind": "shore", "ground": shore})
-        return found
-
 
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
