@@ -75,6 +75,7 @@ ENDLESS = {
     ("Fault", "duration"): "to the end",
     ("Waves", "depth"): "deep water",
     ("Sea", "depth"): "deep water",
+    ("Limits", "max_voltage"): "whatever the supply gives",
 }
 """What may be infinite, where that is the default, and what it means."""
 
