@@ -10,16 +10,18 @@ A table has the fields of a class as keys, and says them shorter in these ways:
   lists, which the ``count`` objects go through again and again.
 
 A class may name the keys of older files in `former`, and where each of them stands now; "" for nowhere; or a function
-that makes of such a table one of today.
+that makes of such a table one of today. What came with version 0.1 stands in ``codec.toml``, by the name of the class.
 """
 
 import math
+import tomllib
 import types
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import MISSING, fields, is_dataclass, replace
 from itertools import groupby
+from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, Union, cast, get_args, get_origin, overload
 
 from laticauda.errors import BadArgument, nearest, one_of, shown
@@ -31,6 +33,7 @@ T = TypeVar("T")
 
 FORMAT = 2
 """Of the files that are written; grows when their keys change. Version 0.1 wrote none, which counts as today's."""
+OLDER: Mapping[str, dict[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 MOST_COUNTED = 1000  # a slip of the finger must not fill the memory
 
 
@@ -234,7 +237,7 @@ def _is_of(given: Any, held: Any) -> bool:
 
 def with_new_names(kind: type, table: Table) -> Table:
     """A table of an older file with the keys of today, for an object of class `kind`."""
-    former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", {})
+    former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", OLDER.get(kind.__name__, {}))
     if callable(former):
         return former(table)
     for old in former.keys() & table.keys():

@@ -12,7 +12,7 @@ trials are computed at once. So conditions look at the real part only, magnitude
 then called trial by trial.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
@@ -178,7 +178,6 @@ class ViscousFriction(DragLaw):
     """Friction on the ground in proportion to the speed: f = -c v, along and across on their own."""
 
     called: ClassVar[str] = "viscous"
-    former: ClassVar[Mapping[str, str]] = {"regularization_speed": ""}  # which older files gave, and it did not use
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """No torque about the contact."""

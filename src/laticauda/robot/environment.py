@@ -1,7 +1,7 @@
 """What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, cast
@@ -47,13 +47,6 @@ class Water:
     )
     current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
     depth: float | None = quantity("m", "Of its axis; None: far below, flows as at the surface", gt=0.0, default=None)
-
-    former: ClassVar[Mapping[str, str]] = {
-        "linear_drag": "drag.linear",
-        "quadratic_drag": "drag.quadratic",
-        "reference_speed": "drag.reference_speed",
-        "sway_friction": "drag.sway_friction",
-    }
 
     def __post_init__(self) -> None:
         current = self.current if not isinstance(self.current, Flow) else self.current.constant or self.current
@@ -120,8 +113,6 @@ class Ground:
     tangential: float = quantity("", "Coefficient along a link: N s/m, or share of its weight", ge=0.0)
     normal: float = quantity("", "Coefficient across a link, likewise", ge=0.0)
     gravity: float = quantity("m/s^2", "g; `viscous` does not use it", ge=0.0, default=9.81)
-
-    former: ClassVar[Mapping[str, str]] = {"regularization_speed": "friction.regularization_speed"}
 
 
 Environment: TypeAlias = Water | Ground
