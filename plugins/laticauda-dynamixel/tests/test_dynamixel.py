@@ -101,8 +101,9 @@ def test_what_is_not_as_it_must_be_is_refused_with_what_to_check(servos):
         driver_named("bus", "dynamixel", "/dev/x:fast")
 
 
-def test_the_vendors_own_client_reads_and_writes_the_emulator(servos):
+def test_the_vendors_own_client_reads_and_writes_the_emulator(servos, monkeypatch):
     sdk = pytest.importorskip("dynamixel_sdk", reason="the vendor's client is not installed: pip install dynamixel-sdk")
+    monkeypatch.setattr(sdk.port_handler, "LATENCY_TIMER", 1000)  # it waits 34 ms for an answer: not on a busy computer
     port, handler = sdk.PortHandler(servos.path), sdk.PacketHandler(2.0)
     assert port.openPort()
     try:
