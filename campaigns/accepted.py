@@ -15,16 +15,16 @@ The tests run a slice of it.
 """
 
 import argparse
-import csv
 import math
 import random
 import sys
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
 from _faulty_tank import FaultyTank, Quiet
+from _rows import gone_on
 
 import laticauda as lc
 from laticauda.control import Following
@@ -160,36 +160,15 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def stored(path: Path) -> list[Row]:
-    """What the table has."""
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return [Row(**{**row, "seed": int(row["seed"]), "after": float(row["after"])}) for row in csv.DictReader(file)]
-
-
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--runs", type=int, default=0, help="of each fault")
     parser.add_argument("--hours", type=float, default=0.0, help="of good runs")
     parser.add_argument("--file", type=Path, default=FILE)
     options = parser.parse_args()
-    rows = stored(options.file)
-    done = {(row.fault, row.seed) for row in rows}
     jobs = [(fault, seed) for seed in range(options.runs) for fault in FAULTS]
     jobs += [("", seed) for seed in range(math.ceil(options.hours * 3600.0 / DURATION))]
-    for fault, seed in jobs:
-        if (fault, seed) in done:
-            continue
-        row = run_one(fault, seed)
-        is_new = not options.file.exists()
-        with options.file.open("a", newline="") as file:
-            writer = csv.DictWriter(file, list(asdict(row)), lineterminator="\n")
-            if is_new:
-                writer.writeheader()
-            writer.writerow(asdict(row))
-        rows.append(row)
-        print(f"{fault or 'good':<28}{seed:>5} {row.outcome} {row.by} {row.after}", file=sys.stderr, flush=True)
+    rows = gone_on(options.file, Row, jobs, run_one)
     print(table(rows))
     return int(sum(not row.fault and row.outcome != "accepted" for row in rows) > 1)
 

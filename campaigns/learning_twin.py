@@ -14,16 +14,16 @@ The tests run a slice of it.
 """
 
 import argparse
-import csv
 import math
 import random
 import sys
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
 from _faulty_tank import FaultyTank, Quiet
 from _learning_twin import Learned, Learner, Learning
+from _rows import gone_on
 
 import laticauda as lc
 from laticauda.estimation import JointSample, PoseSample, ReferenceSample
@@ -180,39 +180,15 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def stored(path: Path) -> list[Row]:
-    """What the table has."""
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        kinds = {"seed": int, "speed": float, "after": float}
-        return [Row(**{name: kinds.get(name, str)(text) for name, text in row.items()}) for row in csv.DictReader(file)]
-
-
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--runs", type=int, default=0, help="good ones, from seed 1000 on")
     parser.add_argument("--faults", type=int, default=0, help="of each fault")
     parser.add_argument("--file", type=Path, default=FILE)
     options = parser.parse_args()
-    rows = stored(options.file)
-    done = {(row.fault, row.seed) for row in rows}
     jobs = [("", 1000 + seed) for seed in range(options.runs)]
     jobs += [(fault, seed) for seed in range(options.faults) for fault in FAULTS]
-    for fault, seed in jobs:
-        if (fault, seed) in done:
-            continue
-        row = run_one(fault, seed)
-        is_new = not options.file.exists()
-        with options.file.open("a", newline="") as file:
-            writer = csv.DictWriter(file, list(asdict(row)), lineterminator="\n")
-            if is_new:
-                writer.writeheader()
-            writer.writerow(asdict(row))
-        rows.append(row)
-        print(
-            f"{fault or 'good':<22}{seed:>5} {row.off} {row.speed} {row.named} {row.after}", file=sys.stderr, flush=True
-        )
+    rows = gone_on(options.file, Row, jobs, run_one)
     print(table(rows))
     return 0
 

@@ -1,0 +1,36 @@
+"""Runs of an operation by fault and seed, as rows of a CSV file that every call goes on with: for other campaigns."""
+
+import csv
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+
+def stored(path: Path, kind: Any) -> list[Any]:
+    """The rows in a file, each an object of a class whose fields are numbers or texts."""
+    if not path.exists():
+        return []
+    kinds = {field.name: field.type for field in fields(kind)}
+    with path.open(newline="") as file:
+        return [kind(**{name: kinds[name](text) for name, text in row.items()}) for row in csv.DictReader(file)]
+
+
+def gone_on(path: Path, kind: Any, jobs: Iterable[tuple[str, int]], run_one: Callable[[str, int], Any]) -> list[Any]:
+    """The rows in a file, after the jobs, fault and seed, that it has not yet; each is kept as soon as it is done."""
+    rows = stored(path, kind)
+    done = {(row.fault, row.seed) for row in rows}
+    for fault, seed in jobs:
+        if (fault, seed) in done:
+            continue
+        row = asdict(run_one(fault, seed))
+        is_new = not path.exists()
+        with path.open("a", newline="") as file:
+            writer = csv.DictWriter(file, list(row), lineterminator="\n")
+            if is_new:
+                writer.writeheader()
+            writer.writerow(row)
+        rows.append(kind(**row))
+        print(fault or "good", *(one for name, one in row.items() if name != "fault"), file=sys.stderr, flush=True)
+    return rows
