@@ -20,16 +20,16 @@ class Idle(Worker[int]):
 
 
 class Counting(Worker[int]):
-    """Finds 0, 1, 2 and so on; in between, `faults` happen."""
+    """Finds 0, 1, 2 and so on; as long as it has a `fault`, that happens instead."""
 
-    def __init__(self, *faults: Exception) -> None:
+    def __init__(self, fault: Exception | None = None) -> None:
         super().__init__("counting")
-        self.faults, self.n, self.n_released = list(faults), 0, 0
+        self.fault, self.n, self.n_released = fault, 0, 0
         self._start()
 
     def work(self) -> None:
-        if self.faults:
-            raise self.faults.pop(0)
+        if (fault := self.fault) is not None:
+            raise fault
         self._found.append(self.n)
         self.n += 1
         self._ended.wait(0.001)
@@ -69,7 +69,8 @@ def test_an_error_becomes_a_sentence_and_the_thread_tries_again(monkeypatch, fau
     monkeypatch.setattr("laticauda.protocol.worker.RETRY", 0.05)
     with Counting(fault) as worker:
         until(lambda: worker.trouble)
-        assert worker.trouble == says
+        assert worker.trouble == says and worker.n == 0
+        worker.fault = None
         until(lambda: worker.n > 0 and not worker.trouble)
 
 
