@@ -110,6 +110,13 @@ def test_what_is_wrong_is_said_on_standard_error_with_status_2(trial, tmp_path, 
         assert message in capsys.readouterr().err
 
 
+def test_a_robot_that_does_not_exist_is_told_with_the_file_that_names_it(tmp_path, capsys):
+    file = tmp_path / "trial.toml"
+    file.write_text(TRIAL.replace("supply_voltage", 'robot = "mamnba"\nsupply_voltage'), encoding="utf-8")
+    assert main(["operate", str(file), "--check"]) == 2
+    assert f"{file}: there is no robot preset named `mamnba`; did you mean `mamba`?" in capsys.readouterr().err
+
+
 def test_its_help_has_an_example(capsys):
     assert main(["operate", "--help"]) == 0
     out = capsys.readouterr().out

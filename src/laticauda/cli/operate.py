@@ -9,6 +9,7 @@ from typing import Any
 
 from laticauda import simulate
 from laticauda.cli import command, flags
+from laticauda.errors import RobotFileError
 from laticauda.files import read_text
 from laticauda.operate import drivers, session, settings, terminal
 from laticauda.operate.series import run_series
@@ -44,12 +45,14 @@ class Operate(command.Command):
         if isinstance(wanted, settings.SeriesFile):
             return self._checked(wanted) if self.check else self._series(wanted, folder)
         summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
-        accepted = bool(summary["accepted"])
-        problem = "" if accepted else summary["reason"]
-        return command.Outcome(facts=summary, text=session.table(summary), problem=problem, succeeded=accepted)
+        problem = "" if summary["accepted"] else summary["reason"]
+        return command.Outcome(facts=summary, text=session.table(summary), problem=problem, succeeded=not problem)
 
     def _operate(self, operation: settings.Operation, folder: Path | None) -> Any:
-        text = read_text(self.file)
+        try:
+            twin = simulate.plant(operation.body(), operation.pool(), joints="servo")
+        except RobotFileError as error:
+            raise settings.OperationFileError(f"{self.file}: {error}") from None
         with terminal.Keys() as keys, terminal.Terminal(keys), self._shown(operation) as show:
             return session.operate(
                 operation,
@@ -59,8 +62,8 @@ class Operate(command.Command):
                 show=show,
                 clears=self.clear,
                 check_only=self.check,
-                text=text,
-                twin=simulate.plant(operation.body(), operation.pool(), joints="servo"),
+                text=read_text(self.file),
+                twin=twin,
             )
 
     def _checked(self, series: settings.SeriesFile) -> command.Outcome:
@@ -72,11 +75,8 @@ class Operate(command.Command):
         return command.Outcome(facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded)
 
     def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
-        series = replace(
-            series,
-            repeats=series.repeats if self.repeats is None else self.repeats,
-            trials=tuple(self._chosen(operation) for operation in series.trials),
-        )
+        trials = tuple(map(self._chosen, series.trials))
+        series = replace(series, repeats=self.repeats or series.repeats, trials=trials)
         done = run_series(series, folder / series.name, self._operate, place=self._place)
         return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
 

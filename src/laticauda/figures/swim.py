@@ -308,7 +308,7 @@ def plot_timing(
     beyond = 100.0 * (n - np.arange(n)) / n
     ax.step(sorted_ms, beyond, where="post", color=KINDS[kind], linewidth=style.LINE)
     ax.axvline(1e3 * interval, color=style.GRAY, linewidth=style.THIN, linestyle="--")
-    ax.text(1e3 * interval, 400.0, " deadline", fontsize=style.TICK, color=style.GRAY, va="top")
+    ax.text(1e3 * interval, 400.0, " deadline", fontsize=style.TICK, color=style.GRAY, va="top", clip_on=True)
     for name, value, share in (
         ("median", np.median(sorted_ms), 50.0),
         ("99.9 %", np.percentile(sorted_ms, 99.9), 0.1),
