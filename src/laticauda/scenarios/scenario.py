@@ -125,7 +125,7 @@ class Scenario:
     environment: Environment = option("The water it swims in or the ground it crawls on")
     model: Model = option("By which model", default=Planar())
     start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
-    duration: float = quantity("s", "Of the run", default=30.0, gt=0.0)
+    duration: float = quantity("s", "Of the run", default=30.0, gt=0.0, le=1e6)
     sample_interval: float = quantity(
         "s",
         "Between two samples of the log; adjusted so that it divides the control interval and the duration",
