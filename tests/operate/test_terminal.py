@@ -29,7 +29,7 @@ def terminal():
 
 
 def until(keys: Keys, event: str) -> None:
-    end = time.monotonic() + 5.0
+    end = time.monotonic() + 20.0
     while event not in keys.events and time.monotonic() < end:
         time.sleep(0.01)
 

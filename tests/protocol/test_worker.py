@@ -2,9 +2,9 @@ import gc
 import os
 import sys
 import threading
-import time
 
 import pytest
+from patience import until
 
 from laticauda.errors import LaticaudaError, MissingExtra
 from laticauda.protocol.worker import DEVICES, LOOP, MOST_WAITING, Clock, Worker, hardware, urgent
@@ -36,13 +36,6 @@ class Counting(Worker[int]):
 
     def release(self) -> None:
         self.n_released += 1
-
-
-def until(holds) -> None:
-    end = time.monotonic() + 10.0
-    while not holds():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def test_what_is_found_is_received_once_in_its_order_and_the_device_is_given_back_once():

@@ -26,7 +26,7 @@ def open_files() -> set[str]:
 def nothing_is_left() -> Iterator[None]:
     threads, files = set(threading.enumerate()), open_files()
     yield
-    end = time.monotonic() + 3.0
+    end = time.monotonic() + 10.0
     while time.monotonic() < end:
         left = [thread.name for thread in threading.enumerate() if thread not in threads]
         more = open_files() - files

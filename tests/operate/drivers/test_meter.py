@@ -1,6 +1,7 @@
 import time
 
 import pytest
+from patience import until
 
 from laticauda.lab.serving import SerialLine
 from laticauda.operate.drivers import Clock, DeviceFailed
@@ -22,11 +23,13 @@ class Meter:
             return b""
         if self.way == "rubbish":
             return b"0\rwhat?\r"
+        reading = MeterReading(live=2.5, average=2.0, minimum=1.2, maximum=3.1, duration=4.0)
+        shown = encode_answer(displayed_text(reading, now=100.0))
         if line == IDENTITY:
-            return encode_answer("FLUKE 289,V1.16,95081087")
+            owed, self.way = shown if self.way == "owes" else b"", "well"
+            return owed + encode_answer("FLUKE 289,V1.16,95081087")
         if line == DISPLAYED:
-            reading = MeterReading(live=2.5, average=2.0, minimum=1.2, maximum=3.1, duration=4.0)
-            return encode_answer(displayed_text(reading, now=100.0))
+            return shown
         return encode_answer()
 
 
@@ -39,7 +42,7 @@ def meter():
 
 
 def readings(driver: MeterDriver, n: int) -> list:
-    found, end = [], time.monotonic() + 5.0
+    found, end = [], time.monotonic() + 20.0
     while len(found) < n and time.monotonic() < end:
         found += driver.receive()
         time.sleep(0.01)
@@ -51,6 +54,13 @@ def test_it_reads_the_current_with_average_minimum_and_maximum(meter):
         first, second = readings(driver, 2)[:2]
     assert (first.current, first.average, first.minimum, first.maximum) == (2.5, 2.0, 1.2, 3.1)
     assert first.time < second.time
+
+
+def test_an_answer_that_it_owed_to_somebody_before_us_is_not_taken_for_its_name(meter):
+    meter.way = "owes"
+    with MeterDriver(meter.path, Clock()) as driver:
+        assert meter.asked[:2] == [IDENTITY] * 2
+        assert readings(driver, 1)
 
 
 def test_its_record_can_be_begun_anew(meter):
@@ -67,9 +77,7 @@ def test_a_meter_that_falls_silent_or_talks_nonsense_is_told_and_comes_back(mete
         assert readings(driver, 1)
         for way in ("silent", "rubbish"):
             meter.way = way
-            end = time.monotonic() + 5.0
-            while not driver.trouble and time.monotonic() < end:
-                time.sleep(0.01)
+            until(lambda: driver.trouble)
             assert driver.trouble, way
             meter.way = "well"
             driver.receive()

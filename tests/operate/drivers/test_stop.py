@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 import serial
+from patience import until
 
 from laticauda.operate.drivers import Clock, DeviceFailed, StopInput
 from laticauda.operate.drivers.stop import SerialLine
@@ -26,7 +27,7 @@ def line(monkeypatch):
 
 
 def waited(driver: StopInput, wanted) -> tuple[str, ...]:
-    end = time.monotonic() + 3.0
+    end = time.monotonic() + 20.0
     while time.monotonic() < end:
         found = driver.receive()
         if wanted(found):
@@ -37,10 +38,9 @@ def waited(driver: StopInput, wanted) -> tuple[str, ...]:
 
 def test_a_closed_contact_is_no_reason_and_one_that_opens_however_shortly_is(line):
     with SerialLine("/dev/ttyUSB1:cts", Clock()) as driver:
-        time.sleep(0.05)
-        assert driver.receive() == ()
+        until(lambda: driver.receive() == ())
         line[0].rts = False
-        time.sleep(0.05)
+        until(lambda: driver._found)
         line[0].rts = True
         assert waited(driver, bool)[0] == "its contact on CTS is open"
         assert waited(driver, lambda found: not found) == ()

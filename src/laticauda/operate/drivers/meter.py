@@ -29,7 +29,8 @@ class MeterDriver(Meter):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            if (identity := self._query(meter.IDENTITY)).count(",") != 2:  # model, software, serial number
+            answers = (self._query(meter.IDENTITY) for _ in range(2))  # the first may be to what was asked before us
+            if not any((identity := one).count(",") == 2 for one in answers):  # model, software, serial number
                 raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {identity!r:.80}")
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
@@ -55,8 +56,7 @@ class MeterDriver(Meter):
             self.release()  # and open it again at the next try
             raise
         record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
-        now = self._clock.now()
-        self._found.append(PowerReading(time=now, current=shown.live, since=self._since, **record))
+        self._found.append(PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record))
         self._ended.wait(INTERVAL / self._clock.speed)
 
     def _query(self, word: str, *, has_data: bool = True) -> str:
