@@ -1,18 +1,17 @@
 """The settings of the paper's experiments, from `paper.toml`: what is run, and what the paper prints beside it."""
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda import codec, gaits
+from laticauda import codec, files, gaits
 from laticauda.errors import BadArgument
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients
@@ -217,7 +216,7 @@ def paper_coefficients() -> Coefficients:
 
 
 def _table(study: str) -> Any:
-    return tomllib.loads(files("laticauda.paper").joinpath("paper.toml").read_text(encoding="utf-8"))[study]
+    return files.read_toml(Path(__file__).with_name("paper.toml"))[study]
 
 
 def at_least_one(settings: object, *names: str) -> None:

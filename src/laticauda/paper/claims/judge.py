@@ -4,16 +4,16 @@ And what the paper prints that cannot be: misprints, and places where it contrad
 """
 
 import math
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, reduce
-from importlib.resources import files
 from itertools import combinations
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from laticauda.files import read_toml
 from laticauda.paper import efficiency, measured, path_following, runs, side_trials
 from laticauda.paper.claims import quantities
 from laticauda.paper.report.chapter import paper_templates
@@ -97,10 +97,9 @@ def table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
     def flat(value: Any) -> Any:
         return " ".join(value.split()) if isinstance(value, str) else value
 
-    text = files("laticauda.paper.claims").joinpath("claims.toml").read_text(encoding="utf-8")
     return {
         kind: [{name: flat(value) for name, value in entry.items()} for entry in entries]
-        for kind, entries in tomllib.loads(text).items()
+        for kind, entries in read_toml(Path(__file__).with_name("claims.toml")).items()
     }
 
 

@@ -1,12 +1,12 @@
 """What the chapters of the paper's report share: its templates, and how figures are called in them."""
 
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial, reduce
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, cast
 
+from laticauda.files import read_toml
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.measured import MeasuredRow, PrintedChange
@@ -78,7 +78,7 @@ def row(table: str, thing: object) -> Row:
 
 @cache
 def _columns() -> Mapping[str, Mapping[str, str]]:
-    return tomllib.loads(files("laticauda.paper.report").joinpath("columns.toml").read_text(encoding="utf-8"))
+    return read_toml(Path(__file__).with_name("columns.toml"))
 
 
 def _inside(thing: Any, name: str) -> Any:
