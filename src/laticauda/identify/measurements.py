@@ -13,13 +13,14 @@ import laticauda as lc
 from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import LARGEST, Quantity, quantity, value
-from laticauda.series import numbers
 from laticauda.simulate.numbers import UNITS
+from laticauda.trial import arrays
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
 LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
 """What a tow gives, and the units: see `Tow`."""
+_COLUMNS: dict[str, tuple[int, ...]] = {"heading": (), "center_of_mass": (2,)}  # of series; others: any number of them
 
 Numbers = Float[np.ndarray, " n"]
 Run = dict[str, Any]
@@ -110,9 +111,7 @@ class Measurement:
         return Quantity(unit=units[known], text="").checked(where, value), _noise(where, sigma, units[known])
 
     def _checked_time(self, given: object) -> Numbers:
-        time = _frozen(f"time` of `{self.name}", given)
-        if time.ndim != 1 or time.size == 0 or np.any(np.diff(time) <= 0.0):
-            raise BadArgument("time", f"of `{self.name}` must be moments that increase, got shape {time.shape}")
+        time = arrays.times(f"time` of `{self.name}", given)
         if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
             rule = f"of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s"
             raise BadArgument("time", f"{rule}, got {time[0]:g} to {time[-1]:g} s")
@@ -122,11 +121,9 @@ class Measurement:
         known = one_of(f"series` of `{self.name}", name, tuple(SERIES))
         where = f"series[{known!r}]` of `{self.name}"
         given, sigma = _pair(where, pair)
-        values = _frozen(where, given)
-        n_axes = 1 if known == "heading" else 2
-        if values.ndim != n_axes or len(values) != n or (known == "center_of_mass" and values.shape[1] != 2):
-            shape = f"({n},)" if n_axes == 1 else f"({n}, {2 if known == 'center_of_mass' else 'n_joints'})"
-            raise BadArgument(where, f"must have the shape {shape}, got {values.shape}")
+        values = arrays.floats(where, given, (n, *_COLUMNS.get(known, (None,))))
+        if np.any(np.abs(values) > LARGEST):
+            raise BadArgument(where, f"must hold numbers up to {LARGEST:g}, got {np.max(np.abs(values)):g}")
         return values, _noise(where, sigma, SERIES[known])
 
     @property
@@ -285,15 +282,3 @@ def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:
 
 def _noise(where: str, sigma: object, unit: str) -> float:
     return Quantity(unit=unit, text="", gt=0.0).checked(f"sigma of {where}", sigma)
-
-
-def _frozen(name: str, given: object) -> np.ndarray:
-    """A copy of an array of finite numbers that nobody can write to."""
-    values = np.array(numbers(name, given))
-    usable = np.abs(values) <= LARGEST  # and no nan
-    if not np.all(usable):
-        at = int(np.argwhere(~usable)[0][0]) if values.ndim else 0
-        rule = f"must be finite numbers up to {LARGEST:g}"
-        raise BadArgument(name, f"{rule}; sample {at} is {values[at] if values.ndim else values}")
-    values.setflags(write=False)
-    return values
