@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, finite, optional_import
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, several, value
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]
@@ -226,17 +226,9 @@ def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
         raise BadArgument("values", "must name at least one parameter, got none")
     found: dict[str, Values] = {}
     for name, given in values.items():
-        if isinstance(given, str) or not hasattr(given, "__len__"):
-            raise BadArgument(name, f"must be a list of numbers, got {given!r}")
-        if len(given) == 0:
+        array = np.array(several(finite, "a list of numbers", (), name, given))
+        if array.size == 0:
             raise BadArgument(name, "must have at least one value, got none")
-        array: Any = np.array(given)
-        if array.ndim != 1 or array.dtype.kind not in "iuf":
-            array = np.array([finite(f"{name}[{i}]", value) for i, value in enumerate(given)])
-        array = array.astype(float)
-        wrong = np.flatnonzero(~np.isfinite(array))
-        if wrong.size:
-            raise ValueError(f"`{name}[{wrong[0]}]` must be a finite number, got {array[wrong[0]]}.")
         array.setflags(write=False)
         found[name] = array
     return found

@@ -104,8 +104,6 @@ def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume:
             if not (path / DONE).exists():
                 _make(zarr, path, sweep, regions)
             marks = held.enter_context((path / DONE).open("r+b", buffering=0))
-            for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
-                left.unlink(missing_ok=True)
             with readable(path, RESULTS):
                 group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
                 arrays = {name: group[name] for name in _by_region(sweep)}
