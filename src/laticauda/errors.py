@@ -11,7 +11,7 @@ the error of it is for this process.
 import math
 import signal
 import sys
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Sequence, Sized
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from numbers import Integral, Real
@@ -193,6 +193,21 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
         hint = ""
     listed = ", ".join(f"`{choice}`" for choice in choices)
     raise BadArgument(name, f"must be one of {listed}, got {shown(value)}{hint}")
+
+
+def at_least_one(name: str, given: Sized, thing: str) -> None:
+    """Refuse a list or a mapping with nothing in it.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        given: What was given.
+        thing: What it is to hold, in a word.
+
+    Raises:
+        ValueError: If it is empty.
+    """
+    if len(given) == 0:
+        raise BadArgument(name, f"must hold at least one {thing}, got none")
 
 
 def instance(name: str, value: object, *kinds: type) -> object:

@@ -65,7 +65,7 @@ def test_a_tank_day_begins_with_a_list_of_runs_and_its_empty_tables_say_what_to_
 
 def test_bad_input_is_named(run):
     cases = {
-        "": "--parameters must name at least one number to identify",
+        "": "--parameters must hold at least one number to identify",
         "--parameters water.normal_drag=x": "--parameters must be NAME, NAME=VALUE or NAME=MEAN+-SD",
         "--parameters water.normal_drag --sensors sonar": "--sensors must be of speed, power, path",
         "--parameters water.normal_drag --criterion E": "--criterion must be",

@@ -261,7 +261,7 @@ def test_bad_input_is_refused_by_name():
     )
     refused(r"at least 2 numbers for 1 unknowns .* and the noise, got 1", swum()[:1], noise="estimated")
     refused(r"`measurements` must have different names, got `trial 0` twice", [swum()[0], swum()[0]])
-    refused(r"`measurements` must be a list of at least one", [])
+    refused(r"`measurements` must hold at least one Measurement", [])
     refused(
         r"`trial 0` is of robot `mamba-modules`",
         [within(swum()[0], robot=lc.load_robot("mamba-modules"))],
@@ -273,8 +273,8 @@ def test_bad_input_is_refused_by_name():
     refused(r"must not be of the gait, which is what was asked for", parameters=["gait.amplitude"])
     refused(r"got `robot.n_links`, a count", parameters=["robot.n_links"])
     refused(r"`parameters` must name every number once, got `water.normal_drag` 2 times", parameters=[DRAG, DRAG])
-    refused(r"`parameters` must be a list of names, got the text", parameters=DRAG)
-    refused(r"`parameters` must name at least one number", parameters=[])
+    refused(r"`parameters` must be a list of names, got .water.normal_drag", parameters=DRAG)
+    refused(r"`parameters` must hold at least one number", parameters=[])
     refused(r"must leave something to `water.normal_drag`", parameters=[DRAG, f"lateral_undulation.{DRAG}"])
     refused(r"`noise` must be one of", noise="loud")
     refused(r"`n_starts` must be a whole number >= 1", n_starts=0)

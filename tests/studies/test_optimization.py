@@ -52,7 +52,7 @@ def _figures(n: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bounds": {}}, "`bounds` must name at least one parameter, got none"),
+        ({"bounds": {}}, "`bounds` must hold at least one parameter, got none"),
         ({"bounds": {"gait.amplitud": (0.1, 0.2)}}, "`bounds` must name numbers of gait.*nearest are `gait.amplitude`"),
         ({"bounds": {"gait.amplitude": (0.2, 0.2)}}, "`bounds` must have low < high, got 0.2 and 0.2 for `gait.ampl"),
         ({"bounds": {"gait.amplitude": (0.2,)}}, "`bounds` must be a low and a high value of `gait.amplitude`, got 1"),

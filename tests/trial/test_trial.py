@@ -66,7 +66,7 @@ def test_lists_and_integers_become_arrays_of_floats(make_trial):
         ("link_force", {"a/b": np.zeros((3, 9, 2))}, "`link_force` must have names of letters"),
         ("notes", {"gains": object()}, "`notes['gains']` must be a text, number or truth value, got"),
         ("notes", {"gain": float("nan")}, "`notes['gain']` must not be nan."),
-        ("notes", [1], "`notes` must map names to values, got list."),
+        ("notes", [1], "`notes` must be of class Mapping, got list."),
         ("gait", "eel", "`gait` must be of class Gait, got str."),
         ("environment", load_robot("mamba"), "`environment` must be of class Water or Ground, got Robot."),
         ("scenario", None, "`scenario` must be of class Scenario or Experiment, got NoneType."),
@@ -196,7 +196,7 @@ def test_a_trial_says_what_nobody_measured_and_refuses_figures_of_it(make_trial)
 
 
 def test_where_the_robot_was_is_what_every_trial_has(make_trial):
-    with pytest.raises(ValueError, match=r"`not_measured` must hold only heading, .*, got 'center_of_mass'"):
+    with pytest.raises(ValueError, match=r"`not_measured` must be one of `heading`, .*, got 'center_of_mass'"):
         make_trial(not_measured=("center_of_mass",))
-    with pytest.raises(ValueError, match=r"`not_measured` must hold only heading, .*, got 3"):
+    with pytest.raises(ValueError, match=r"`not_measured` must be one of `heading`, .*, got 3"):
         make_trial(not_measured=3)

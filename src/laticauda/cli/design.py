@@ -13,7 +13,7 @@ from laticauda import figures, gaits, packaging, scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, progress
 from laticauda.cli.flags import File, Picture, Place, Words
 from laticauda.cli.tables import aligned, number, numbers
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, at_least_one
 from laticauda.identify import tasks
 from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swims
 from laticauda.identify.design import Design, Discrimination, Judged, design, discriminate, known_from, wrong
@@ -67,8 +67,7 @@ class Candidates:
     def __post_init__(self) -> None:
         """Refuse no candidates."""
         for name in ("amplitudes", "frequencies", "phase_shifts", "tow", "tow_angles", "coast_down", "sensors"):
-            if not getattr(self, name):
-                raise BadArgument(name, "must be one or more, got none")
+            at_least_one(name, getattr(self, name), "value")
 
 
 @value
@@ -141,8 +140,6 @@ class DesignExperiment(Command):
             keep = fit.problem.of_interest
             known = {"values": fit.best[keep], "information": marginal(known_from(fit), keep)}
             return fit.problem.without_starts, known
-        if not self.unknowns.parameters:
-            raise BadArgument("parameters", "must name at least one number to identify, as water.normal_drag, got none")
         swims = self._swims()
         problem = make_problem(
             swims,

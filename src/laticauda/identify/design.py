@@ -40,7 +40,7 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, one_of, whole
+from laticauda.errors import BadArgument, at_least_one, one_of, whole
 from laticauda.identify import identifiability, model, result
 from laticauda.identify.candidates import rows_of
 from laticauda.identify.measurements import Measurement
@@ -120,8 +120,7 @@ def design(
         ValueError: If an argument is out of its range.
     """
     whole("n_trials", n_trials, 1)
-    if not candidates:
-        raise BadArgument("candidates", "must hold at least one trial, got none")
+    at_least_one("candidates", candidates, "trial")
     names = problem.names
     one_of("criterion", criterion, (*CRITERIA, *names))
     at = problem.start if values is None else values

@@ -12,7 +12,7 @@ from jaxtyping import Float
 import laticauda as lc
 from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import LARGEST, Quantity, quantity, value
+from laticauda.quantities import LARGEST, Quantity, quantity, several, value
 from laticauda.simulate.numbers import UNITS
 from laticauda.trial import arrays
 
@@ -20,6 +20,7 @@ SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_
 """Time series that a trial can be compared with, and their units."""
 LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
 """What a tow gives, and the units: see `Tow`."""
+_PAIR = "a pair of what was measured and the sigma of its noise"
 _COLUMNS: dict[str, tuple[int, ...]] = {"heading": (), "center_of_mass": (2,)}  # of series; others: any number of them
 
 Numbers = Float[np.ndarray, " n"]
@@ -107,7 +108,7 @@ class Measurement:
         units = UNITS if self.tow is None else LOADS
         known = one_of(f"figures` of `{self.name}", name, tuple(units))
         where = f"figures[{known!r}]` of `{self.name}"
-        value, sigma = _pair(where, pair)
+        value, sigma = several(None, _PAIR, (2,), where, pair)
         return Quantity(unit=units[known], text="").checked(where, value), _noise(where, sigma, units[known])
 
     def _checked_time(self, given: object) -> Numbers:
@@ -120,7 +121,7 @@ class Measurement:
     def _one_series(self, name: object, pair: Sequence[Any], n: int) -> tuple[np.ndarray, float]:
         known = one_of(f"series` of `{self.name}", name, tuple(SERIES))
         where = f"series[{known!r}]` of `{self.name}"
-        given, sigma = _pair(where, pair)
+        given, sigma = several(None, _PAIR, (2,), where, pair)
         values = arrays.floats(where, given, (n, *_COLUMNS.get(known, (None,))))
         if np.any(np.abs(values) > LARGEST):
             raise BadArgument(where, f"must hold numbers up to {LARGEST:g}, got {np.max(np.abs(values)):g}")
@@ -272,12 +273,6 @@ def mean_of_the_greatest(n: int) -> float:
     density = np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
     share = np.array([0.5 * math.erfc(-value / math.sqrt(2.0)) for value in x])
     return float(n * np.sum(x * density * share ** (n - 1)) * (x[1] - x[0]))
-
-
-def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:
-    if not isinstance(pair, Sequence) or len(pair) != 2:  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument(where, f"must be a pair: what was measured, and the sigma of its noise, got {pair!r}")
-    return pair[0], pair[1]
 
 
 def _noise(where: str, sigma: object, unit: str) -> float:

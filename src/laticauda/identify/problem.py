@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import BadArgument, instance, optional_import
+from laticauda.errors import BadArgument, at_least_one, instance, optional_import
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown
 from laticauda.interfaces import Resumed, Start
+from laticauda.quantities import several
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
 from laticauda.simulate.numbers import Parameter, changed
@@ -323,15 +324,13 @@ def _common_model(measurements: Sequence[Measurement], model: Model | str | None
 
 
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    if isinstance(measurements, Measurement) or not len(measurements):
-        raise BadArgument("measurements", "must be a list of at least one Measurement, got none")
-    names: set[str] = set()
-    for i, measurement in enumerate(measurements):
-        instance(f"measurements[{i}]", measurement, Measurement)
-        if measurement.name in names:
-            raise BadArgument("measurements", f"must have different names, got `{measurement.name}` twice")
-        names.add(measurement.name)
-    return tuple(measurements)
+    every = several(lambda name, one: instance(name, one, Measurement), "a list", (), "measurements", measurements)
+    at_least_one("measurements", every, "Measurement")
+    names = [measurement.name for measurement in every]
+    for name in names:
+        if names.count(name) > 1:
+            raise BadArgument("measurements", f"must have different names, got `{name}` twice")
+    return every
 
 
 def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:

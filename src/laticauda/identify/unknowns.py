@@ -9,9 +9,9 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, finite, instance, label, nearest, positive, shown
+from laticauda.errors import BadArgument, at_least_one, finite, label, nearest, positive, shown
 from laticauda.files import read_toml
-from laticauda.quantities import Check, option, quantity, value
+from laticauda.quantities import Check, option, quantity, several, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
 
@@ -136,16 +136,15 @@ def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float
     Raises:
         ValueError: If there is none, or a name twice.
     """
-    if isinstance(parameters, str):
-        raise BadArgument("parameters", f"must be a list of names, got the text {parameters!r}")
+
+    def unknown(name: str, item: Any) -> Unknown:
+        return item if isinstance(item, Unknown) else Unknown(name=label(name, item))
+
     if isinstance(parameters, Mapping):
         found = [Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()]
     else:
-        for item in parameters:
-            instance("parameters", item, str, Unknown)
-        found = [item if isinstance(item, Unknown) else Unknown(name=item) for item in parameters]
-    if not found:
-        raise BadArgument("parameters", "must name at least one number to identify, got none")
+        found = several(unknown, "a list of names", (), "parameters", parameters)
+    at_least_one("parameters", found, "number to identify")
     names = [unknown.name for unknown in found]
     for name in names:
         if names.count(name) > 1:

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda import codec, files, gaits
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, at_least_one
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients
 from laticauda.quantities import one_among, option, quantity, value
@@ -105,7 +105,8 @@ class EfficiencySettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        at_least_one(self, "models", "sweeps", "groups")
+        for name in ("models", "sweeps", "groups"):
+            at_least_one(name, getattr(self, name), "entry")
 
     @property
     def n_runs(self) -> int:
@@ -143,7 +144,8 @@ class PathFollowingSettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        at_least_one(self, "joint_laws", "offset_bandwidths", "groups")
+        for name in ("joint_laws", "offset_bandwidths", "groups"):
+            at_least_one(name, getattr(self, name), "entry")
         for group in self.groups:
             if (n_cases := len(group.followed)) != len(group.figures):
                 rule = f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}"
@@ -217,18 +219,3 @@ def paper_coefficients() -> Coefficients:
 
 def _table(study: str) -> Any:
     return files.read_toml(Path(__file__).with_name("paper.toml"))[study]
-
-
-def at_least_one(settings: object, *names: str) -> None:
-    """Refuse settings that lack what there must be at least one of.
-
-    Args:
-        settings: Of a study.
-        names: Of their fields.
-
-    Raises:
-        ValueError: If one holds no entry.
-    """
-    for name in names:
-        if not getattr(settings, name):
-            raise BadArgument(name, "must hold at least one entry, got none")

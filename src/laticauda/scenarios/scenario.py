@@ -179,8 +179,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         """Check what its type does not tell."""
-        if not isinstance(self.notes, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise BadArgument("notes", f"must map names to values, got {type(self.notes).__name__}")
+        instance("notes", self.notes, Mapping)
         notes = {name: _plain(name, note) for name, note in self.notes.items() if note is not None}
         object.__setattr__(self, "notes", notes)
 

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
 from laticauda.dynamics.plant import check_size
-from laticauda.errors import BadArgument, instance, one_of, whole
+from laticauda.errors import BadArgument, at_least_one, instance, one_of, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar.batch import Block, Run, march_many
@@ -187,8 +187,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
     Raises:
         ValueError: If they are not.
     """
-    if not scenarios:
-        raise BadArgument("scenarios", "must hold at least one item, got none")
+    at_least_one("scenarios", scenarios, "item")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
     common = scenarios[0].duration, scenarios[0].sample_interval
     runs: list[Run] = []
@@ -286,9 +285,6 @@ def collected(
 def _common_length(given: Mapping[str, object]) -> int:
     """How many trials the sequences among the arguments ask for."""
     lengths = {name: len(cast(Sequence[object], value)) for name, value in given.items() if isinstance(value, Sequence)}
-    if 0 in lengths.values():
-        empty = next(name for name, length in lengths.items() if length == 0)
-        raise BadArgument(empty, "must hold at least one item, got none")
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{length} {name}" for name, length in lengths.items())
         raise ValueError(f"`{'`, `'.join(lengths)}` must be of equal length, got {listed}.")
@@ -301,6 +297,7 @@ def _each(name: str, given: Item | Sequence[Item], n: int, *kinds: type) -> Sequ
         instance(name, given, *kinds)
         return [given] * n
     items = cast("Sequence[Item]", given)
+    at_least_one(name, items, "item")
     for i, item in enumerate(items):
         instance(f"{name}[{i}]", item, *kinds)
     return items

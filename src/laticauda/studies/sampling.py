@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite, optional_import
+from laticauda.errors import BadArgument, at_least_one, finite, optional_import
 from laticauda.quantities import option, quantity, several, value
 
 Values = Float[np.ndarray, " n_values"]
@@ -144,8 +144,7 @@ def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict
     Raises:
         ValueError: If there is none, or one is no range.
     """
-    if not ranges:
-        raise BadArgument(argument, "must name at least one parameter, got none")
+    at_least_one(argument, ranges, "parameter")
     found: dict[str, tuple[float, float]] = {}
     for name, ends in ranges.items():
         if len(ends) != 2:
@@ -222,13 +221,11 @@ Points: TypeAlias = Grid | Rows | Samples
 
 
 def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
-    if not values:
-        raise BadArgument("values", "must name at least one parameter, got none")
+    at_least_one("values", values, "parameter")
     found: dict[str, Values] = {}
     for name, given in values.items():
         array = np.array(several(finite, "a list of numbers", (), name, given))
-        if array.size == 0:
-            raise BadArgument(name, "must have at least one value, got none")
+        at_least_one(name, array, "value")
         array.setflags(write=False)
         found[name] = array
     return found

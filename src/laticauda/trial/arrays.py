@@ -6,7 +6,7 @@ from typing import TypeAlias, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, instance, one_of
 from laticauda.series import numbers
 
 # The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
@@ -47,9 +47,7 @@ def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np
 
 def mapping(name: str, value: object) -> Mapping[str, object]:
     """`value` as a mapping from names that can be those of variables in a file."""
-    if not isinstance(value, Mapping):
-        raise BadArgument(name, f"must map names to values, got {type(value).__name__}")
-    items = cast("Mapping[object, object]", value)
+    items = cast("Mapping[object, object]", instance(name, value, Mapping))
     return {_key(name, key): item for key, item in items.items()}
 
 
@@ -65,8 +63,7 @@ def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]
     """`value` as some of the names in `choices`, in their order."""
     given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
     for one in given:
-        if one not in choices:
-            raise BadArgument(name, f"must hold only {', '.join(choices)}, got {one!r}")
+        one_of(name, one, choices)
     return tuple(choice for choice in choices if choice in given)
 
 
