@@ -12,8 +12,8 @@ from laticauda import gaits, packaging
 from laticauda.errors import SimulationFailed
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
-from laticauda.simulate import plant, run
-from laticauda.simulate.runner import Until
+from laticauda.simulate import plant
+from laticauda.simulate.runner import Until, run_scenario
 from laticauda.studies.sweep import Progress
 from laticauda.trial.contents import Setting
 
@@ -108,10 +108,9 @@ class Runs:
         Raises:
             SimulationFailed: If the run blows up; the message says which.
         """
-        body, start, interval = plant(scenario), scenario.start, scenario.sample_interval
-        settings: Any = {"start": start, "sample_interval": interval, "until": until}
+        body = plant(scenario)
         try:
-            trial = run(body, scenario.controller, scenario.duration, throw=True, **settings)
+            trial = run_scenario(scenario, body, until=until, throw=True)
         except SimulationFailed as error:
             raise SimulationFailed(f"{name}: {error}") from error
         self.how |= settings_of(body.settings)

@@ -31,14 +31,19 @@ CLOSE = 1e-9  # [s]: two moments that are one
 CHUNK = 2000
 
 
-class Logging(TypedDict, total=False):
-    """What may be said of how a run is logged and ends; see `run`."""
+class Watching(TypedDict, total=False):
+    """What may be said of a run besides its scenario; see `run`."""
 
-    sample_interval: float
     link_forces: bool
     until: Until | None
     throw: bool
     progress: Progress | None
+
+
+class Logging(Watching, total=False):
+    """What may be said of how a run is logged and ends; see `run`."""
+
+    sample_interval: float
 
 
 def run(
@@ -87,13 +92,27 @@ def run(
         duration=duration,
         sample_interval=sample_interval,
     )
+    return run_scenario(scenario, plant, link_forces=link_forces, until=until, throw=throw, progress=progress)
+
+
+def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching]) -> Trial:
+    """Let a scenario run on its plant; errors as for `run`.
+
+    Args:
+        scenario: What decides the run.
+        plant: Made of it.
+        how: As for `run`: `link_forces`, `until`, `throw`, `progress`.
+    """
+    # What swims there, the planar robot for instance, and what the scenario leaves open, as the time step.
+    scenario = replace(scenario, robot=plant.robot, model=plant.settings)
+    link_forces = how.get("link_forces", False)
 
     def march(states: States, commands: Sequence[Command], share: float, interval: float) -> Marched:
         state, stretch, failure = plant.advance(states[0], commands[0], share, interval, link_forces=link_forces)
         return [state], [stretch], failure
 
-    (trial,) = run_all([scenario], [plant], march, until=until, progress=progress)
-    if throw and not trial.succeeded:
+    (trial,) = run_all([scenario], [plant], march, until=how.get("until"), progress=how.get("progress"))
+    if how.get("throw") and not trial.succeeded:
         raise SimulationFailed(trial.status)
     return trial
 
@@ -337,13 +356,4 @@ def swim(
     else:
         chosen = scenario(robot, cast(Motion, gait), duration, **changes)
         body = plant(chosen)
-    return run(
-        body,
-        chosen.controller,
-        chosen.duration,
-        start=chosen.start,
-        sample_interval=chosen.sample_interval,
-        link_forces=link_forces,
-        throw=throw,
-        progress=progress,
-    )
+    return run_scenario(chosen, body, link_forces=link_forces, throw=throw, progress=progress)

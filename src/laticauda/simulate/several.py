@@ -55,10 +55,7 @@ def swim_each(
             parts = one.robot, one.environment, one.model
             if not all(part is kept for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)):
                 own.plant, own.parts = plants.plant(one), parts
-            begin, every = one.start, one.sample_interval
-            return use(
-                runner.run(own.plant, one.controller, one.duration, start=begin, sample_interval=every, progress=watch)
-            )
+            return use(runner.run_scenario(one, own.plant, progress=watch))
         except BadArgument as bad:
             raise BadArgument(f"scenarios[{i}].{bad.name}".rstrip("."), bad.rule) from bad
         except Exception as error:
