@@ -51,19 +51,7 @@ def identification_chapter(done: Validation, command: str = "") -> chapter.Chapt
     """
     from laticauda.reports.identify_figures import figures_of
 
-    found = done.found
-    values = {
-        "task": done.task,
-        "found": found,
-        "model": extensions.name_of(type(found.problem.model)),
-        "joints": extensions.name_of(type(found.problem.model.joints)),
-        "is_linearized": done.is_linearized,
-        "by_group": done.by_group is not None,
-        "command": command,
-        "version": packaging.__version__,
-        "sources": sources_of(done.task),
-    }
-    tables = identification_tables(done)
+    values, tables = {"done": done, **as_dict(done, command)}, identification_tables(done)
     return chapter.Chapter(name="identify", values=values, tables=tables, figures=lambda: figures_of(done))
 
 

@@ -29,7 +29,7 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
     """
     return paper_chapter(
         name="efficiency",
-        values={"study": study, "settings": study.settings, "repeats": repeats, **_findings(study, repeats)},
+        values={"study": study, "repeats": repeats, **_findings(study, repeats)},
         tables=_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
         figures=lambda: efficiency_figures(study, repeats),

@@ -30,10 +30,6 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         name="path-following",
         values={
             "study": study,
-            "settings": study.settings,
-            "how": study.how,
-            "held": study.held_out,
-            "chosen": study.cases[0].run,
             **_findings(study),
             **_beyond_the_published(study.held_out),
         },

@@ -22,7 +22,7 @@ from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, run_efficiency
 from laticauda.paper.path_following import PathFollowingStudy, run_path_following
 from laticauda.paper.report import efficiency, path_following
-from laticauda.paper.report.chapter import paper_chapter, paper_templates
+from laticauda.paper.report.chapter import paper_chapter, paper_templates, row
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 
@@ -45,11 +45,6 @@ CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """The best first."""
-COLUMNS = {
-    **{"about": "theme", "where": "where", "the paper says": "paper", "here": "found"},
-    **{"rule: it holds if": "rule", "verdict": "verdict"},
-}
-"""Of the table of claims, with the claim's fields."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -228,19 +223,15 @@ def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | 
         found: What `laticauda.paper.claims.claims` returned.
         own: The same with other models, by name: their verdicts, before those of `found`; None: none.
     """
-    claims = [{column: getattr(claim, name) for column, name in COLUMNS.items()} for claim in found]
+    claims = [row("claims", claim) for claim in found]
     for name, others in (own or {}).items():
-        for row, other in zip(claims, others, strict=True):
-            row[f"with {name}"] = other.verdict
-            row["verdict"] = row.pop("verdict")
-    misprinted = [
-        {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
-        for entry in misprints()
-    ]
+        for mine, other in zip(claims, others, strict=True):
+            mine[f"with {name}"] = other.verdict
+            mine["verdict"] = mine.pop("verdict")
     return paper_chapter(
         name="claims",
         values={"n_claims": len(found), "counts": _counted(found)},
-        tables={"claims": claims, "misprints": misprinted},
+        tables={"claims": claims, "misprints": [row("misprints", entry) for entry in misprints()]},
     )
 
 
