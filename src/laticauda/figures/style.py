@@ -42,6 +42,8 @@ LINES: tuple[tuple[str, Any], ...] = (
 LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
 AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # what was to be reached, or was measured
 
+Outside = Literal["outside lower center", "outside lower left", "outside right upper"]
+
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure that belongs to no window.
@@ -109,23 +111,16 @@ def legend(ax: Axes, **settings: Any) -> None:
     ax.legend(handlelength=1.6, borderaxespad=0.2, **LEGEND, **settings)
 
 
-def outside_legend(figure: Figure, ax: Axes, place: Literal["outside lower left", "outside right upper"]) -> None:
-    """A legend of one panel's lines outside of all panels."""
-    figure.legend(*ax.get_legend_handles_labels(), loc=place, **LEGEND)
-
-
-def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[Any] | None = None, **settings: Any) -> None:
-    """A legend under all panels.
+def outside_legend(figure: Figure, handles: Sequence[Any], place: Outside, **settings: Any) -> None:
+    """A legend outside of all panels.
 
     Args:
         figure: Any figure of `new_figure`.
-        handles: What it shows.
-        labels: What it says to each; None takes the handles' own.
-        settings: As for matplotlib's, two columns if it does not say.
+        handles: What it shows, each with its label.
+        place: Where.
+        settings: Further ones of matplotlib's.
     """
-    own: dict[str, Any] = {"ncols": 2, "handlelength": 2.6, **settings}
-    named = {} if labels is None else {"labels": labels}
-    figure.legend(handles=handles, loc="outside lower center", **named, **LEGEND, **own)
+    figure.legend(handles=handles, loc=place, **LEGEND, **settings)
 
 
 def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:

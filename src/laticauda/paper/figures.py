@@ -215,7 +215,7 @@ def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Pan
             style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
     figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
-    style.legend_below(figure, _handles(panels))
+    style.outside_legend(figure, _handles(panels), "outside lower center", ncols=2, handlelength=2.6)
 
 
 def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
@@ -306,7 +306,7 @@ def following_speeds_sheet(
         handles.append(Line2D([], [], label=label, **style.points(marker, 4.0, color)))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
-    style.legend_below(figure, handles, handlelength=1.4, handletextpad=0.7)
+    style.outside_legend(figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7)
     style.head(figure, title)
     return figure
 

@@ -83,9 +83,9 @@ def _parity(found: Fit) -> Figure:
         parity(groups, ax, what=f"{what.replace('_', ' ')} [{unit}]")
     for ax in panels[len(parts) :]:
         ax.set_visible(False)
-    most = max(panels[: len(parts)], key=lambda ax: len(ax.get_legend_handles_labels()[1]))
     if n == 1:
-        most.set_anchor("W")
+        panels[0].set_anchor("W")
+    most = max((ax.get_legend_handles_labels()[0] for ax in panels[: len(parts)]), key=len)
     style.outside_legend(figure, most, "outside right upper" if n == 1 else "outside lower left")
     return figure
 
@@ -114,7 +114,7 @@ def _residuals(found: Fit) -> Figure:
         figure.subplots(),
         label="predicted less measured, in standard deviations of the stated noise [-]",
     )
-    style.outside_legend(figure, ax, "outside lower left")
+    style.outside_legend(figure, ax.get_legend_handles_labels()[0], "outside lower left")
     return figure
 
 
@@ -128,7 +128,7 @@ def _intervals(done: Validation) -> Figure:
         rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
     ax = intervals(rows, figure.subplots(), confidence=found.method.confidence)
-    style.outside_legend(figure, ax, "outside lower left")
+    style.outside_legend(figure, ax.get_legend_handles_labels()[0], "outside lower left")
     return figure
 
 
