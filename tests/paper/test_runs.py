@@ -9,6 +9,7 @@ from laticauda.paper import Coefficients, path_following_settings
 from laticauda.paper.runs import Runs
 from laticauda.paper.settings import paper_coefficients
 from laticauda.scenarios import Planar, model_of
+from laticauda.simulate.runner import silent
 
 LATERAL = path_following_settings().groups[0].followed[0].gait
 EEL = path_following_settings().groups[2].followed[0].gait
@@ -32,7 +33,7 @@ def test_other_coefficients_reach_the_water():
 
 def test_a_swimmer_is_a_scenario_that_swim_knows():
     swimmer = replace(swimmers()[0], duration=2.0, model=Planar(offset_bandwidth=4.0))
-    trial = Runs(model=Planar(), progress=None).swim("this one", swimmer)
+    trial = Runs(model=Planar(), progress=silent).swim("this one", swimmer)
     assert np.array_equal(trial.center_of_mass, lc.swim(swimmer).center_of_mass)
     assert trial.scenario.model.offset_bandwidth == 4.0
 
@@ -40,7 +41,7 @@ def test_a_swimmer_is_a_scenario_that_swim_knows():
 def test_a_run_that_blows_up_is_named():
     swimmer = replace(swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0)
     with pytest.raises(SimulationFailed, match=r"^this one: "):
-        Runs(model=Planar(), progress=None).swim("this one", swimmer)
+        Runs(model=Planar(), progress=silent).swim("this one", swimmer)
 
 
 def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():

@@ -21,7 +21,7 @@ from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
 from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.robot import Environment, Robot, Water
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 SENSORS: Mapping[str, tuple[str, float]] = read_toml(Path(__file__).with_name("sensors.toml"))
 """By word: the figure or series, and the standard deviation of its noise."""
@@ -121,7 +121,7 @@ def rows_of(
     problem: Problem,
     candidates: Sequence[Measurement],
     values: Float[np.ndarray, " n_unknowns"],
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """What each candidate would measure, and the derivatives of that to the coordinates of the unknowns.
 
@@ -155,8 +155,7 @@ def rows_of(
             columns = np.concatenate([np.arange(values.size), begins])
             rows_and_priors = np.concatenate([rows[data], known])[:, columns]
             found.append((np.concatenate([numbers[data], np.zeros(len(known))]), rows_and_priors))
-        if progress is not None:
-            progress(len(found) / len(candidates))
+        progress(len(found) / len(candidates))
     return found
 
 

@@ -46,7 +46,7 @@ from laticauda.identify.candidates import rows_of
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import ResolvedUnknown
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 CRITERIA = ("D", "A")
 """D: the determinant of the information, the volume of what is possible; A: the mean variance."""
@@ -103,7 +103,7 @@ def design(
     values: Float[np.ndarray, " n_unknowns"] | None = None,
     information: Matrix | None = None,
     criterion: str = "D",
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Design:
     """Choose the trials that would shrink the uncertainty most.
 
@@ -155,7 +155,7 @@ def information_of(
     problem: Problem,
     candidates: Sequence[Measurement],
     values: Float[np.ndarray, " n_unknowns"],
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
     """What each candidate would say, as information to the coordinates of the unknowns; arguments as of `rows_of`."""
     found = [rows for _, rows in rows_of(problem, candidates, values, progress)]
@@ -312,7 +312,7 @@ def wrong(distance: float) -> float:
 
 
 def discriminate(
-    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]], n_trials: int, *, progress: Progress | None = None
+    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]], n_trials: int, *, progress: Progress = silent
 ) -> Discrimination:
     """Choose the trials that would tell rival models apart.
 
@@ -333,8 +333,7 @@ def discriminate(
     for name, (problem, same) in rivals.items():
         alike = [replace(a, figures=b.figures) for a, b in zip(same, candidates, strict=True)]
         seen[name] = rows_of(problem, alike, problem.start)
-        if progress is not None:
-            progress(len(seen) / len(rivals))
+        progress(len(seen) / len(rivals))
     pairs = tuple(combinations(rivals, 2))
     ways = [*pairs, *((rival, true) for true, rival in pairs)]
     size = 1 + max(len(problem.unknowns) for problem, _ in rivals.values())

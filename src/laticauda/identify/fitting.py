@@ -15,7 +15,7 @@ from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 SPREAD = 3.0  # further starts lie within this factor of the first
 _ROUNDS = 20  # of estimating the noise beside priors
@@ -52,8 +52,8 @@ def fit(
     confidence: float = 0.95,
     limit: float = identifiability.LIMIT,
     threads: int | None = None,
-    progress: Progress | None = None,
-    keep: Keep | None = None,
+    progress: Progress = silent,
+    keep: Keep = silent,
     **changes: Unpack[ModelChanges],
 ) -> result.Fit:
     """Identify parameters of robot and water from measured trials, by least squares.
@@ -103,8 +103,8 @@ def solve(
     method: result.Method,
     *,
     start: Vector | None = None,
-    progress: Progress | None = None,
-    keep: Keep | None = None,
+    progress: Progress = silent,
+    keep: Keep = silent,
 ) -> result.Fit:
     """Solve a problem; arguments and errors as for `fit`.
 
@@ -124,8 +124,7 @@ def solve(
         nonlocal kept, least
         if cost < least:
             kept, least = x, cost
-            if keep is not None:
-                keep(problem.named(x), cost)
+            keep(problem.named(x), cost)
 
     steps = _MOST_STEPS
     try:
@@ -136,8 +135,7 @@ def solve(
                 searches.append(minimize(problem, x, loss=method.loss, look=look, known=searches))
             elif not begin.failures:
                 _refuse_missing(problem, begin.values)
-            if progress is not None:
-                progress((number + 1) / method.n_starts)
+            progress((number + 1) / method.n_starts)
     except KeyboardInterrupt:
         if kept is None:
             raise
@@ -224,7 +222,7 @@ def minimize(
     factor: float = 1.0,
     free: Int[np.ndarray, " n_free"] | None = None,
     steps: int = _MOST_STEPS,
-    look: Callable[[Vector, float], None] | None = None,
+    look: Callable[[Vector, float], None] = silent,
     known: Sequence[result.LocalSearch] = (),
 ) -> result.LocalSearch:
     """One search.
@@ -260,8 +258,7 @@ def minimize(
         here = predict(problem, values)
         found = all_residuals(problem, values, factor, here)
         reached = cost_of(found, loss)
-        if look is not None:
-            look(whole(at), reached)
+        look(whole(at), reached)
         return found
 
     def jacobian(at: np.ndarray) -> np.ndarray:

@@ -19,6 +19,7 @@ from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate import derivatives, many, numbers, several
+from laticauda.simulate.runner import silent
 from laticauda.trial import Trial
 
 TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
@@ -108,7 +109,7 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
             duration,
             SAMPLE_INTERVAL,
             problem.threads,
-            None,
+            silent,
             look=_keeper(problem, members, [raw[i] for i in members]),
             with_joints=_needs_joints(problem, members),
         )

@@ -34,7 +34,7 @@ from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import quantity, value
 from laticauda.robot import Environment, Robot, Water, load_robot, textbook_water, to_toml
 from laticauda.robot.files import read_table
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 FILES = Path(__file__).parent / "tank_day_files"
 DAY = "tank-day.toml"
@@ -151,7 +151,7 @@ def _tows(path: Path, robot: Robot, noise: Noise) -> tuple[measurements.Measurem
     return tuple(found)
 
 
-def evaluate(day: Day, *, threads: int | None = None, progress: Progress | None = None) -> Evaluation:
+def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silent) -> Evaluation:
     """Fit the three laws to a day, and judge.
 
     Args:
@@ -170,8 +170,7 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress | None 
     for name, (water, unknowns) in _laws(day.robot).items():
         inside = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
         fits[name] = fitting.fit(inside, parameters=unknowns, n_starts=1, threads=threads)
-        if progress is not None:
-            progress(len(fits) / 4.0)
+        progress(len(fits) / 4.0)
     scale = max(1.0, min(found.noise_factor for found in fits.values()))
     evidence = {name: _log_evidence(found, scale) for name, found in fits.items()}
     order = sorted(fits, key=lambda name: -evidence[name])

@@ -53,7 +53,7 @@ from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import NAMES, adjusted, read_adjustments
 from laticauda.simulate.numbers import UNITS
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 KIND = "identification"
 _METHOD = ("model", "joints", "noise", "loss", "n_starts", "seed", "confidence")
@@ -169,7 +169,7 @@ class Task:
     sources: tuple[Path, ...] = ()
     """The files that it was read from."""
 
-    def run(self, *, threads: int | None = None, progress: Progress | None = None, keep: Keep | None = None) -> Fit:
+    def run(self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent) -> Fit:
         """Identify; arguments and errors as for `fit`."""
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
         try:

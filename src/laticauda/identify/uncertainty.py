@@ -9,7 +9,7 @@ from jaxtyping import Float
 from laticauda.errors import one_of, optional_import, whole
 from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 
 _CLOSE = 1e-3  # share of its distance to which an end is found
 _FAR = 1e3  # sizes, beyond which no end is looked for, and standard deviations
@@ -107,7 +107,7 @@ class Posterior:
 
 
 def posterior(
-    found: Fit, *, n_steps: int = 500, n_walkers: int | None = None, seed: int = 0, progress: Progress | None = None
+    found: Fit, *, n_steps: int = 500, n_walkers: int | None = None, seed: int = 0, progress: Progress = silent
 ) -> Posterior:
     """Sample the posterior with an ensemble of walkers (emcee), begun around the fit.
 
@@ -147,8 +147,7 @@ def posterior(
     sampler = emcee.EnsembleSampler(walkers, n, log_probability, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
     for step, _ in enumerate(sampler.sample(begin, iterations=n_steps, skip_initial_state_check=True)):
-        if progress is not None:
-            progress((step + 1) / n_steps)
+        progress((step + 1) / n_steps)
     chain: np.ndarray = np.asarray(sampler.get_chain())
     kept = chain[n_steps // 2 :].reshape(-1, n)
     return Posterior(

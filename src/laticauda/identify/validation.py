@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -10,7 +11,7 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import GAIT_WORDS
 from laticauda.identify import fitting, model, result, tasks, uncertainty
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 from laticauda.trial.null_models import NullModel, Row, compared
 
 BY = ("measurement", "group")
@@ -38,7 +39,7 @@ class LeftOut:
         return self.fit.percentage_error(figure, self.predictions)
 
 
-def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress | None = None) -> LeftOut:
+def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress = silent) -> LeftOut:
     """Refit without each measurement, or without each group, and predict what was left out.
 
     Where it began is what the fit to all says: nothing else can.
@@ -67,8 +68,7 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
         values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
         if not np.any(problem.moves[out].any(axis=0) & ~(rest.moves | began).any(axis=0) & without_prior):
             predictions[np.isin(problem.owner, out)] = model.predict(problem.part(out), values[-1]).values
-        if progress is not None:
-            progress((number + 1) / len(different))
+        progress((number + 1) / len(different))
     return LeftOut(by=by, fit=found, predictions=predictions, values=np.array(values))
 
 
@@ -141,7 +141,7 @@ def validate(
     exact: bool = False,
     by_group: bool = True,
     profiles: bool = False,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Callable[[str, float], None] = silent,
 ) -> Validation:
     """How a fit does on what it was not fitted to; Ctrl-C ends it with what is known until then.
 
@@ -153,23 +153,19 @@ def validate(
         profiles: Whether intervals are computed from the likelihood too.
         progress: Called now and then with what is going on, and the share of it that is finished.
     """
-
-    def part(what: str) -> Callable[[float], None]:
-        return lambda share: None if progress is None else progress(what, share)
-
     single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, dict[str, uncertainty.Ends]()
     is_whole = fitting.INTERRUPTED not in found.warnings
     shown = found.problem.of_interest if profiles and is_whole else []
     try:
         if exact and is_whole and _suffices(found, [m.name for m in found.problem.measurements]):
-            single = leave_out(found, progress=part("measurements left out")).predictions
+            single = leave_out(found, progress=partial(progress, "measurements left out")).predictions
             is_linearized = False
         if by_group and is_whole and _suffices(found, found.problem.groups):
-            groups = leave_out(found, "group", progress=part("groups left out"))
+            groups = leave_out(found, "group", progress=partial(progress, "groups left out"))
         for done, k in enumerate(shown):
             name = found.estimates[k].name
             kept[name] = uncertainty.profile(found, name)
-            part("profiles")((done + 1) / len(shown))
+            progress("profiles", (done + 1) / len(shown))
     except KeyboardInterrupt:
         found, kept = replace(found, warnings=(fitting.INTERRUPTED, *found.warnings)), {}
     return Validation(

@@ -13,7 +13,7 @@ from laticauda.errors import SimulationFailed
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import plant
-from laticauda.simulate.runner import Until, run_scenario
+from laticauda.simulate.runner import Until, run_scenario, silent
 from laticauda.studies.sweep import Progress
 from laticauda.trial.contents import Setting
 
@@ -88,7 +88,7 @@ class Runs:
 
     model: Model
     """By which model, unless a run says otherwise."""
-    progress: Progress | None
+    progress: Progress
     """Called after every run with the number of runs done, and of all."""
     n_runs: int = 0
     """How many there will be; a study says so before the first [-]."""
@@ -115,8 +115,7 @@ class Runs:
             raise SimulationFailed(f"{name}: {error}") from error
         self.how |= settings_of(body.settings)
         self.n_done += 1
-        if self.progress is not None:
-            self.progress(self.n_done, self.n_runs)
+        self.progress(self.n_done, self.n_runs)
         return trial
 
     def figures(self, tasks: Sequence[tuple[str, Scenario]]) -> dict[str, np.ndarray]:
@@ -134,8 +133,7 @@ class Runs:
         def tell(share: float) -> None:
             while self.n_done < begun + round(share * len(tasks)):
                 self.n_done += 1
-                if self.progress is not None:
-                    self.progress(self.n_done, self.n_runs)
+                self.progress(self.n_done, self.n_runs)
 
         found = lc.swim_many(scenarios, threads=1, progress=tell)
         for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
@@ -166,7 +164,7 @@ class Study(Generic[Settings]):
         settings: Settings | None = None,
         model: Model | str = "planar",
         *,
-        progress: Progress | None = None,
+        progress: Progress = silent,
         **changes: Unpack[ModelChanges],
     ) -> Self:
         """Run the study.

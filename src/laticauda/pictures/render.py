@@ -36,7 +36,7 @@ def video(
     *,
     speed: float = 1.0,
     beside: Sequence[Trial] = (),
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] = lambda done: None,
 ) -> None:
     """Show a trial as a film.
 
@@ -66,8 +66,7 @@ def video(
     def shown() -> Iterator[stage.Picture]:
         for moment, picture in zip(moments, pictures(trial, film, moments, speed, beside), strict=True):
             yield picture
-            if progress is not None:
-                progress(moment - begin)
+            progress(moment - begin)
 
     write_video(shown(), path, size=film.size, frames_per_second=film.frames_per_second)
 

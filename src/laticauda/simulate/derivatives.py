@@ -83,7 +83,7 @@ def sensitivities(
     starts: interfaces.Start | Sequence[interfaces.Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
-    progress: runner.Progress | None = None,
+    progress: runner.Progress = runner.silent,
     **changes: Unpack[ModelChanges],
 ) -> Sensitivities:
     """Derivatives of the figures of one or many trials to any numbers of robot, gait and environment.
@@ -196,8 +196,8 @@ def slopes(
     *,
     sample_interval: float = 0.05,
     threads: int | None = None,
-    progress: runner.Progress | None = None,
-    look: many.Look | None = None,
+    progress: runner.Progress = runner.silent,
+    look: many.Look = runner.silent,
     with_joints: bool = False,
 ) -> many.Collected:
     """Figures of runs and their derivatives, run i to number i: complex numbers, as those of `laticauda.planar.batch`.

@@ -76,7 +76,7 @@ def swim_many(
     sample_interval: float = 0.05,
     threads: int | None = None,
     device: str = "cpu",
-    progress: runner.Progress | None = None,
+    progress: runner.Progress = runner.silent,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
     """Run many scenarios of one model; or let many robots swim, each from straight and at rest.
@@ -127,7 +127,7 @@ def swim_many(
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
 
 
-def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress | None) -> "Collected":
+def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress) -> "Collected":
     """The figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
     names = (*UNITS, "z")
 
@@ -225,11 +225,11 @@ def collected(
     duration: float,
     sample_interval: float,
     threads: int | None,
-    progress: runner.Progress | None,
+    progress: runner.Progress,
     *,
     weights: Inexact[np.ndarray, " n_runs"] | None = None,
     device: str = "cpu",
-    look: Look | None = None,
+    look: Look = runner.silent,
     with_joints: bool = False,
 ) -> Collected:
     """Run a batch, and put all blocks' figures where they belong.
@@ -264,8 +264,7 @@ def collected(
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
     def keep(block: Block) -> np.ndarray:
-        if look is not None:
-            look([runs[int(i)] for i in block.index], block)
+        look([runs[int(i)] for i in block.index], block)
         left[:, block.index] = batch_figures.kept(block, steady.before[block.index])
         succeeded[block.index] = well = block.n_samples == n_intervals + 1
         for i, reached in zip(block.index[~well], block.n_samples[~well], strict=True):
@@ -275,8 +274,7 @@ def collected(
     finished = 0
     for index in march(runs, duration, sample_interval, keep, threads=threads):
         finished += index.size
-        if progress is not None:
-            progress(finished / n)
+        progress(finished / n)
     found = batch_figures.figures(runs, carried, left, steady)
     figures = {name: np.where(succeeded, one, np.nan) for name, one in found.items()}
     return Collected(figures=figures, succeeded=succeeded, status=tuple(status))

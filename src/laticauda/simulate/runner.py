@@ -26,6 +26,11 @@ Marched = tuple[States, Sequence[Stretch], str | None]
 March = Callable[[States, Sequence[Command], float, float], Marched]
 """As `Plant.advance`, for all plants at once."""
 
+
+def silent(*_: object) -> None:
+    """What is called where nobody wants to know."""
+
+
 CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
@@ -37,7 +42,7 @@ class Watching(TypedDict, total=False):
     link_forces: bool
     until: Until | None
     throw: bool
-    progress: Progress | None
+    progress: Progress
 
 
 class Logging(Watching, total=False):
@@ -56,7 +61,7 @@ def run(
     link_forces: bool = False,
     until: Until | None = None,
     throw: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Trial:
     """Let a controller drive a plant, from straight and at rest.
 
@@ -111,7 +116,7 @@ def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching])
         state, stretch, failure = plant.advance(states[0], commands[0], share, interval, link_forces=link_forces)
         return [state], [stretch], failure
 
-    (trial,) = run_all([scenario], [plant], march, until=how.get("until"), progress=how.get("progress"))
+    (trial,) = run_all([scenario], [plant], march, until=how.get("until"), progress=how.get("progress", silent))
     if how.get("throw") and not trial.succeeded:
         raise SimulationFailed(trial.status)
     return trial
@@ -124,7 +129,7 @@ def run_all(
     *,
     until: Until | None = None,
     check: Callable[[States], object] = lambda states: None,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> list[Trial]:
     """Let plants that march together be driven by the controllers of their scenarios; see `run`.
 
@@ -159,8 +164,7 @@ def run_all(
         if failure is not None:
             break
         reached, now = reached + 1, done
-        if progress is not None:
-            progress(done)
+        progress(done)
     return [one.trial(duration, failure) for one in swimmers]
 
 
@@ -321,7 +325,7 @@ def swim(
     *,
     link_forces: bool = False,
     throw: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     **changes: Unpack[Changes],
 ) -> Trial:
     """Run a scenario; or let a robot swim a gait, from straight and at rest.

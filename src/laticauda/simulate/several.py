@@ -10,7 +10,7 @@ from laticauda.dynamics.school import usable_cores
 from laticauda.errors import BadArgument, instance
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.simulate import plants, runner
-from laticauda.simulate.runner import Progress
+from laticauda.simulate.runner import Progress, silent
 from laticauda.trial import Trial
 
 Result = TypeVar("Result")
@@ -25,7 +25,7 @@ def swim_each(
     use: Callable[[Trial], Result],
     *,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> list[Result]:
     """Run every scenario, several at a time; the numbers are those of `swim`, however many threads there are.
 
@@ -66,14 +66,13 @@ def swim_each(
         try:
             for result in pool.map(swum, range(len(scenarios))):
                 results.append(result)
-                if progress is not None:
-                    progress(len(results) / len(scenarios))
+                progress(len(results) / len(scenarios))
         finally:
             is_over.set()
     return results
 
 
-def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = None) -> list[Trial]:
+def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent) -> list[Trial]:
     """Run several robots in one scene.
 
     They have one environment, one scene (`open` is one with nothing else in it), one duration and sample interval;

@@ -1,12 +1,12 @@
 """The averaged model of a gait with one robot, from trials of its own: what model-predictive guidance plans with."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import laticauda as lc
 from laticauda import control, gaits, simulate
 from laticauda.errors import BadArgument, whole
+from laticauda.simulate.runner import Progress, silent
 
 N_TRIALS = 4
 AROUND = 1.0 / 3.0
@@ -19,7 +19,7 @@ def averaged_model(
     frequency_limits: tuple[float, float] | None = None,
     *,
     n_trials: int = N_TRIALS,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
 ) -> control.AveragedModel:
     """Learn how a gait moves a robot, from trials at several frequencies whose offset goes up and down in steps.
 
@@ -51,6 +51,5 @@ def averaged_model(
         plant = replace(plant, environment=water.still)
     for k, each in enumerate(turns):
         trials.append(simulate.run(plant, each, each.duration))
-        if progress is not None:
-            progress((k + 1) / n_trials)
+        progress((k + 1) / n_trials)
     return control.fit_averaged(trials)

@@ -24,9 +24,10 @@ from jaxtyping import Float
 
 from laticauda import files
 from laticauda.errors import BadArgument, optional_import, whole
+from laticauda.simulate.runner import silent
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.optimization import VIOLATION, Front, Optimization, evaluate, losses, unbeaten
-from laticauda.studies.sweep import QUANTITIES, Progress, Table, silent
+from laticauda.studies.sweep import QUANTITIES, Progress, Table
 
 CHECKPOINT, JOB = "checkpoint.npz", "optimization"
 DEFINITION, POINTS = "definition", "points"
@@ -180,7 +181,7 @@ def optimize(
     budget: int = BUDGET,
     population: int | None = None,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     threads: int | None = None,
 ) -> Front:
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
@@ -221,7 +222,7 @@ def optimize(
     memory = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
-        _search(optimization, search, memory, budget, progress or silent, threads)
+        _search(optimization, search, memory, budget, progress, threads)
     return _front(optimization, {name: column[:budget] for name, column in memory.tried.items()}, seed)
 
 

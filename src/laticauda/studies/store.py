@@ -25,6 +25,7 @@ import numpy as np
 from laticauda.errors import BadArgument, one_of, optional_import, whole
 from laticauda.files import local, read_text, write
 from laticauda.simulate.numbers import parameters
+from laticauda.simulate.runner import silent
 from laticauda.studies import sweep as sweeps
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.sampling import Grid
@@ -244,7 +245,7 @@ def run_sweep(
     sweep: Sweep,
     folder: str | Path,
     *,
-    progress: sweeps.Progress | None = None,
+    progress: sweeps.Progress = silent,
     client: Any = None,
     threads: int | None = None,
     region_size: int | None = None,
@@ -279,13 +280,12 @@ def run_sweep(
     if threads is not None:
         whole("threads", threads, 1)
     with opened(folder, sweep, region_size=region_size, resume=resume) as store:
-        tell = progress or sweeps.silent
-        tell(store.n_done, sweep.n_trials)
+        progress(store.n_done, sweep.n_trials)
         pending = store.pending()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
             for index, table, found in results:
                 store.write(index, table, found)
-                tell(store.n_done, sweep.n_trials)
+                progress(store.n_done, sweep.n_trials)
     return open_sweep(folder)
 
 

@@ -19,6 +19,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
+from laticauda.simulate.runner import silent
 from laticauda.studies import sampling
 from laticauda.studies.sampling import Table
 from laticauda.trial.feasibility import NEEDS
@@ -129,7 +130,7 @@ def swim_points(
             joints[name][block.index] = values
 
     interval = scenario.sample_interval
-    found = collected(runs, scenario.duration, interval, threads, None, look=look, with_joints=True)
+    found = collected(runs, scenario.duration, interval, threads, silent, look=look, with_joints=True)
     kept = {name: np.where(found.succeeded & np.isfinite(values), values, np.nan) for name, values in joints.items()}
     return {**{name: found.figures[name] for name in FIGURES if name not in kept}, **kept, "succeeded": found.succeeded}
 
@@ -155,10 +156,6 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
     used = [root for root in _ROOTS if roots[root]]
     rows = map(tuple, table.tolist())
     return [replace(scenario, **{_ROOTS[root]: part(root, row) for root in used}) for row in rows]
-
-
-def silent(done: int, total: int) -> None:
-    """Progress that nobody wants to know."""
 
 
 # ---- sweeps ----------------------------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from laticauda.paper.report import efficiency, path_following
 from laticauda.paper.report.chapter import paper_chapter, paper_templates, row
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
+from laticauda.simulate.runner import silent
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
@@ -110,7 +111,7 @@ def reproduce(
     model: scenarios.Model | str = "planar",
     repeats: Sequence[Repeat] = (),
     workers: int = 1,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     **changes: Unpack[scenarios.ModelChanges],
 ) -> Reproduction:
     """Run the paper's studies and write everything into a folder.
@@ -239,10 +240,9 @@ def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | 
 
 
 def _run(
-    do: Callable[[str, Progress], _Done], names: Sequence[str], workers: int, progress: Progress | None
+    do: Callable[[str, Progress], _Done], names: Sequence[str], workers: int, progress: Progress
 ) -> dict[str, _Done]:
     """Do all studies; the first error ends them."""
-    progress = progress or (lambda what, done, total: None)
     if min(workers, len(names)) == 1:
         return {name: do(name, progress) for name in names}
     context = get_context("spawn")  # the only way to start a process that is safe everywhere
