@@ -140,7 +140,8 @@ class Identify(Command):
         """What is asked for."""
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
-                return tasks.task_from_table(self._table(), self.name or "identified", Path())
+                task = tasks.task_from_table(self._table(), self.name or "identified", Path())
+            return task if self.laws else replace(task, options={"joints": "prescribed", **task.options})
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
                 raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
@@ -171,12 +172,6 @@ class Identify(Command):
             "table": {"file": self.what.table} if self.what.table else None,
             "table1": self.what.table1 or None,
         }
-        if (
-            given["joints"] is None
-            and not self.laws
-            and (given["base"] is None or load_parameters(given["base"]).joints is None)
-        ):
-            given["joints"] = "prescribed"
         return {"kind": "identification", **{name: one for name, one in given.items() if one is not None}}
 
 

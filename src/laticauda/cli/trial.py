@@ -106,14 +106,9 @@ class Compare(OfTrials):
     def run(self) -> command.Outcome:
         """Read and compare."""
         rows = lc.compare([_either(file, self.columns) for file in self.files])
+        kept = ("values", "differences", "differences_percent")
         figures = {
-            row.figure.name: {
-                "unit": row.figure.unit,
-                "values": row.values,
-                "differences": row.differences,
-                "differences_percent": row.differences_percent,
-            }
-            for row in rows
+            row.figure.name: {"unit": row.figure.unit, **{name: getattr(row, name) for name in kept}} for row in rows
         }
         return command.Outcome(facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows))
 

@@ -160,10 +160,7 @@ def batch_of(
 ) -> Sequence[Scenario]:
     """The scenarios of a batch; arguments as for `swim_many`."""
     if gaits is None:
-        instance("robots", robots, Sequence)
-        for i, one in enumerate(cast("Sequence[object]", robots)):
-            instance(f"robots[{i}]", one, Scenario)
-        return cast("Sequence[Scenario]", robots)
+        return _each("robots", cast("Sequence[Scenario]", instance("robots", robots, Sequence)), 0, Scenario)
     given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)
     every_robot = _each("robots", cast("Robot | Sequence[Robot]", robots), n, Robot)
