@@ -34,22 +34,18 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _cell(value: Any) -> str:
-    if isinstance(value, str):
-        return value
-    return MISSING if value is None or math.isnan(value) else number(value)
+    return value if isinstance(value, str) else number(value)
 
 
 def read_in(value: float | None, unit: str) -> tuple[str, str]:
     """A figure as a table shows it: the number, and the unit that it is read in."""
     factor, shown = READ_IN.get(unit, (1.0, unit))
-    if value is None:
-        return MISSING, shown
-    return number(value * factor), shown
+    return number(None if value is None else value * factor), shown
 
 
-def number(value: float) -> str:
+def number(value: float | None) -> str:
     """Four significant digits, without an exponent where that stays short; rounding noise is zero."""
-    if not math.isfinite(value):
+    if value is None or not math.isfinite(value):
         return MISSING
     if abs(value) < 1e-6:
         return "0"

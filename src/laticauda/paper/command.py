@@ -2,7 +2,6 @@
 
 import os
 from collections import Counter
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli import command, scene, tables
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
     from laticauda.paper.path_following import PathFollowingStudy
     from laticauda.paper.report.reproduce import Reproduction
-    from laticauda.paper.scores import Score
 
 HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
 """The gaits as short as a terminal likes them."""
@@ -78,15 +76,14 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
         done: What was run and written.
     """
     from laticauda.packaging import __version__
-    from laticauda.paper.scores import scores
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}
     if (study := results.get("efficiency")) is not None:
-        errors = _errors(study, scores(study), "numbers_fitted", "leave_one_out", "leave_one_group_out")
+        errors = _errors(study, "numbers_fitted", "leave_one_out", "leave_one_group_out")
         found["efficiency"] = {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
     if (study := results.get("path_following")) is not None:
-        errors = _errors(study, scores(study), "numbers_fitted_to_table1")
+        errors = _errors(study, "numbers_fitted_to_table1")
         found["path_following"] = {"settings": study.how, "errors": errors, "trials": _trials(study)}
     return found | {
         "claims": Counter(claim.verdict for claim in done.claims),
@@ -102,15 +99,13 @@ def as_text(done: "Reproduction") -> str:
     Args:
         done: What was run and written.
     """
-    from laticauda.paper.scores import scores
-
     results = done.results
     parts: list[str] = []
     if (study := results.get("efficiency")) is not None:
         parts += [
             f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
             "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:",
-            _table(study, scores(study), "leave_one_out"),
+            _table(study, "leave_one_out"),
         ]
     if (study := results.get("path_following")) is not None:
         limit = study.settings.accepted_error
@@ -119,7 +114,7 @@ def as_text(done: "Reproduction") -> str:
             f"Path following, {study.how['joints']} joints, {loop_in_words(study.how)}: "
             f"{held} of {len(study.cases)} trials keep\nthe mean error under {100 * limit:g} cm in their last third. "
             "Mean error of the forward velocity over the paper's Table 2 [%]:",
-            _table(study, scores(study)),
+            _table(study),
         ]
     verdicts = Counter(claim.verdict for claim in done.claims)
     parts.append(f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}.")
@@ -127,10 +122,10 @@ def as_text(done: "Reproduction") -> str:
     return "\n\n".join(parts)
 
 
-def _errors(
-    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score]", fitted: str, *more: str
-) -> dict[str, Any]:
+def _errors(study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str) -> dict[str, Any]:
     """By predictor: how many numbers are fitted, and its errors."""
+    from laticauda.paper.scores import scores
+
     groups = [group.name for group in study.settings.groups]
     return {
         score.name: {
@@ -139,7 +134,7 @@ def _errors(
             "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
             **{f"{name}_percent": getattr(score, name) for name in more},
         }
-        for score in found
+        for score in scores(study)
     }
 
 
@@ -157,11 +152,13 @@ def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
     ]
 
 
-def _table(study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score]", left_out: str = "") -> str:
+def _table(study: "EfficiencyStudy | PathFollowingStudy", left_out: str = "") -> str:
     """Errors by predictor, a line each."""
+    from laticauda.paper.scores import scores
+
     heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
-    for score in found:
+    for score in scores(study):
         values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
-        rows.append([score.title, *("-" if value is None else tables.number(value) for value in values)])
+        rows.append([score.title, *map(tables.number, values)])
     return tables.aligned(rows, right=range(1, len(rows[0])))

@@ -9,7 +9,6 @@ And the speeds of path-following trials: measured, simulated in several ways, an
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -74,31 +73,6 @@ class Panel:
     repeats: tuple[Repeat, ...]
     """The settings on this line that were repeated."""
 
-    def curves(self, ylabel: str) -> list[Values]:
-        """Simulated, by model; none if only measurements are shown.
-
-        Args:
-            ylabel: One of `SHOWN`.
-        """
-        name = SHOWN[ylabel][0]
-        return [*getattr(self, name)] if name else []
-
-    def marks(self, ylabel: str) -> Values:
-        """What was measured, by setting; nan where it is missing.
-
-        Args:
-            ylabel: One of `SHOWN`.
-        """
-        return np.array([getattr(one, SHOWN[ylabel][1], None) for one in self.measured], dtype=float)
-
-    def repeated(self, ylabel: str) -> list[Values]:
-        """What was measured again and again, by setting; nan where one is missing.
-
-        Args:
-            ylabel: One of `SHOWN`.
-        """
-        return [np.array(getattr(one, SHOWN[ylabel][1], ()), dtype=float) for one in self.repeats]
-
     def at(self, found: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
         """Where settings lie on the axis [deg, deg/s].
 
@@ -119,7 +93,10 @@ def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
         ax: Where to draw.
         ylabel: One of `SHOWN`.
     """
-    curves, marks, repeated = panel.curves(ylabel), panel.marks(ylabel), panel.repeated(ylabel)
+    of_curves, of_rows = SHOWN[ylabel]
+    curves: Sequence[Values] = [*getattr(panel, of_curves)] if of_curves else []
+    marks = np.array([getattr(one, of_rows, None) for one in panel.measured], dtype=float)
+    repeated = [np.array(getattr(one, of_rows, ()), dtype=float) for one in panel.repeats]
     for i, curve in enumerate(curves):
         color, dashes = style.LINES[i % len(style.LINES)]
         ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
@@ -150,8 +127,7 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
             draw_panel(panel, ax, ylabel)
             if row is not rows[-1]:
                 ax.set_xlabel("")
-        shown = [(*one.curves(ylabel), one.marks(ylabel), *one.repeated(ylabel)) for one in panels]
-        highest = float(np.nanmax(np.concatenate([[0.0], *chain(*shown)])))
+        highest = max([0.0, *(ax.dataLim.y1 for ax in row)])
         row[0].set_ylim(0.0, ROOM * highest if highest > 0.0 else 1.0)  # one scale from zero
     _finish(figure, rows, panels, title)
     return figure

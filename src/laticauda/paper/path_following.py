@@ -171,8 +171,7 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
     late = time - time[0] >= 2.0 / 3.0 * trial.duration
     rms = largest = None
     if trial.duration >= 1.5 * period:
-        middle, error = following.mean_error(time, trial.signals["cross_track_error"], period)
-        last = error[middle - time[0] >= 2.0 / 3.0 * trial.duration]
+        last = following.last_third(time, trial.signals["cross_track_error"], period)
         rms, largest = float(np.sqrt(np.mean(last**2))), float(np.max(np.abs(last)))
     names = "joints", "offset_bandwidth", "loop_delay", "dt", "ramp"
     how: dict[str, Any] = {name: trial.settings[name] for name in names}

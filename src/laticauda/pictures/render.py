@@ -236,24 +236,21 @@ def write_video(
         VideoFailed: If it gives up.
         StorageFailed: If the file cannot be written.
     """
-    write(path, lambda new: _encode(pictures, path, new, size, frames_per_second))
-
-
-def _encode(
-    pictures: Iterable[stage.Picture], path: str | Path, new: Path, size: tuple[int, int], frames_per_second: float
-) -> None:
-    """Let ffmpeg write a new file, which messages call as the one whose place it will take."""
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     words += ["-s", f"{size[0]}x{size[1]}", "-r", f"{frames_per_second:g}", "-i", "-", "-an", "-c:v", "libx264"]
     words += ["-preset", PRESET, "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
-    # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
-    with tempfile.TemporaryFile() as complaints:
-        process = subprocess.Popen([*words, str(new)], stdin=subprocess.PIPE, stderr=complaints)
-        with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
-            assert process.stdin is not None
-            for picture in pictures:
-                process.stdin.write(picture.tobytes())
-        if process.returncode != 0:
-            complaints.seek(0)
-            lines = complaints.read().decode(errors="replace").strip().splitlines()
-            raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
+
+    def encode(new: Path) -> None:
+        # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
+        with tempfile.TemporaryFile() as complaints:
+            process = subprocess.Popen([*words, str(new)], stdin=subprocess.PIPE, stderr=complaints)
+            with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
+                assert process.stdin is not None
+                for picture in pictures:
+                    process.stdin.write(picture.tobytes())
+            if process.returncode != 0:
+                complaints.seek(0)
+                lines = complaints.read().decode(errors="replace").strip().splitlines()
+                raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
+
+    write(path, encode)

@@ -199,21 +199,17 @@ def run_from_table(table: codec.Table) -> Scenario | Experiment:
         return kind(**values)
 
 
-def unknown_in(run: Scenario) -> Iterator[extensions.Unknown]:
-    """What a scenario names and nobody here defines.
+def unknown_in(thing: object) -> Iterator[extensions.Unknown]:
+    """What is named in a scenario, or in a part of it, and nobody here defines.
 
     Args:
-        run: The scenario.
+        thing: The scenario.
     """
-    yield from _unknown((run.motion, run.environment, run.model))
-
-
-def _unknown(values: tuple[Any, ...]) -> Iterator[extensions.Unknown]:
-    for value in values:
-        if isinstance(value, extensions.Unknown):
-            yield value
-        elif is_dataclass(value):
-            yield from _unknown(tuple(vars(value).values()))
+    if isinstance(thing, extensions.Unknown):
+        yield thing
+    elif is_dataclass(thing):
+        for part in vars(thing).values():
+            yield from unknown_in(part)
 
 
 def _stored(controller: Controller[Any]) -> Any:

@@ -4,7 +4,7 @@ from typing import Any, Unpack, cast
 
 from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import School
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, instance, load_mujoco
 from laticauda.interfaces import Command
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
@@ -79,7 +79,6 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
     from laticauda.compiling.templates import is_kept
 
     if isinstance(model, Spatial):
-        from laticauda.errors import load_mujoco
         from laticauda.spatial.twin import stepping
 
         load_mujoco()

@@ -48,7 +48,10 @@ def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np
 def mapping(name: str, value: object) -> Mapping[str, object]:
     """`value` as a mapping from names that can be those of variables in a file."""
     items = cast("Mapping[object, object]", instance(name, value, Mapping))
-    return {_key(name, key): item for key, item in items.items()}
+    for key in items:
+        if not isinstance(key, str) or not key.isidentifier():
+            raise BadArgument(name, f"must have names of letters, digits and underscores as keys, got {key!r}")
+    return cast("Mapping[str, object]", items)
 
 
 def state_array(name: str, value: object) -> AnyArray:
@@ -78,12 +81,6 @@ def same(one: object, other: object) -> bool:
     plain = cast("object", one)
     # Texts of values tell 1 from True and 0 from -0.
     return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
-
-
-def _key(field: str, name: object) -> str:
-    if not isinstance(name, str) or not name.isidentifier():
-        raise BadArgument(field, f"must have names of letters, digits and underscores as keys, got {name!r}")
-    return name
 
 
 def _read_only(array: AnyArray, value: object) -> AnyArray:

@@ -128,11 +128,7 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         ValueError: If anything is not as it was written.
     """
     attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
-    arrays: dict[str, AnyArray] = {}
-    for name in _names(attributes):
-        if name not in dataset.variables:
-            raise KeyError(name)
-        arrays[name] = dataset.variables[name].values
+    arrays: dict[str, AnyArray] = {name: dataset.variables[name].values for name in _names(attributes)}
     log = log_of({**arrays, "work": np.stack([arrays[name] for name in WORK], axis=1)})
     with codec.keys_of("scenario", ValueError):
         scenario = scenarios.run_from_toml(attributes["scenario"])

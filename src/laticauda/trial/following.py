@@ -107,8 +107,13 @@ def last_third_error(time: Time, cross_track_error: Time, period: float) -> floa
 
     Arguments and errors as for `mean_error`.
     """
+    return float(np.mean(last_third(time, cross_track_error, period)))
+
+
+def last_third(time: Time, cross_track_error: Time, period: float) -> Middles:
+    """The cycle-mean error over the last third of the run [m]; arguments and errors as for `mean_error`."""
     middle, error = mean_error(time, cross_track_error, period)
-    return float(np.mean(error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]))
+    return error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]
 
 
 def saturated_share(time: Time, is_saturated: Time) -> float:

@@ -312,8 +312,7 @@ def _heading_errors(case: FollowingCase) -> tuple[float, float]:
     assert trial.period is not None
     begin = trial.time[0] + 2.0 / 3.0 * trial.duration
     error = np.degrees(trial.signals["heading_ref"] - trial.signals["heading_used"])
-    middle, mean = figures_of_path.mean_error(trial.time, error, trial.period)
-    late = mean[middle >= begin], error[trial.time >= begin]
+    late = figures_of_path.last_third(trial.time, error, trial.period), error[trial.time >= begin]
     return float(np.sqrt(np.mean(late[0] ** 2))), float(np.sqrt(np.mean(late[1] ** 2)))
 
 
