@@ -12,11 +12,11 @@ import numpy as np
 from laticauda import figures, gaits, packaging, scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, progress
 from laticauda.cli.flags import File, Picture, Place, Words
-from laticauda.cli.tables import aligned, number, numbers
+from laticauda.cli.tables import aligned, numbers
 from laticauda.errors import BadArgument, at_least_one
 from laticauda.identify import tasks
 from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swims
-from laticauda.identify.design import Design, Discrimination, Judged, design, discriminate, known_from, wrong
+from laticauda.identify.design import Design, Discrimination, Judged, design, discriminate, known_from, share, wrong
 from laticauda.identify.identifiability import LIMIT, marginal
 from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem
@@ -234,9 +234,9 @@ def _design_said(found: Design) -> Outcome:
     rows = [("what is known now", found.before), *_numbered(found.steps)]
     title = (
         f"The best {len(found.steps)} of {len(found.alone)} candidates, criterion {found.criterion}. Expected "
-        "standard deviations (shares of the value; *: in the unit); -: not known."
+        "standard deviations (shares of the value; *: in the unit)."
     )
-    after, by_itself = _tables(labels, rows, found.alone, _shown)
+    after, by_itself = _tables(labels, rows, found.alone, share)
     reasons = "\n".join(found.reasons).replace("`", "")
     return Outcome(facts=facts, text="\n\n".join([title, after, reasons, by_itself]))
 
@@ -254,12 +254,6 @@ def _rivals_said(found: Discrimination) -> Outcome:
 
 def _numbered(steps: Iterable[Judged]) -> list[tuple[str, Any]]:
     return [(f"{i + 1}. {one.name}", found) for i, (one, found) in enumerate(steps)]
-
-
-def _shown(sigma: float) -> str:
-    if not math.isfinite(sigma) or sigma > 100.0:
-        return "-"
-    return f"{number(100.0 * sigma)} %" if sigma < 10.0 else "> 1000 %"
 
 
 def _draw(found: Design, path: str) -> None:

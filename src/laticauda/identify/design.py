@@ -256,13 +256,13 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     before, after = sigma_of(known), sigma_of(known + added)
     newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
-        words = [f"`{unknowns[k].name}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
+        words = [f"`{unknowns[k].name}` ({share(before[k])} before, {share(after[k])} after)" for k in newly]
         return f"makes identifiable {_listed(words)}"
     finite = np.isfinite(before) & (before > 0.0)
     ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
     k = int(np.argmin(ratio))
     if ratio[k] <= 0.9:
-        return f"shrinks most `{unknowns[k].name}`, from {_share(before[k])} to {_share(after[k])}"
+        return f"shrinks most `{unknowns[k].name}`, from {share(before[k])} to {share(after[k])}"
     root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
     half = np.linalg.solve(root, added)
     news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
@@ -273,11 +273,16 @@ def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarra
     """What straight trials are good for, in numbers."""
     with np.errstate(invalid="ignore"):
         k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
-    words = f"After the best {n} trials that swim, `{names[k]}` is {_share(swimming[k])}; after these {n}, "
-    return f"{words}{_share(after[k])}."
+    words = f"After the best {n} trials that swim, `{names[k]}` is {share(swimming[k])}; after these {n}, "
+    return f"{words}{share(after[k])}."
 
 
-def _share(sigma: float) -> str:
+def share(sigma: float) -> str:
+    """A standard deviation as a share of its number, in words.
+
+    Args:
+        sigma: [-].
+    """
     if not np.isfinite(sigma) or sigma > 10.0:
         return "unknown"
     return f"{100.0 * sigma:.2g} %" if sigma < 0.99 else f"{100.0 * sigma:.0f} %"

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal, NoReturn, cast
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from laticauda.errors import BadArgument, at_least_one, finite, label, nearest, 
 from laticauda.files import read_toml
 from laticauda.quantities import Check, option, quantity, several, value
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
+from laticauda.simulate.numbers import Parameter, changed, near, parameters, value_of
 
 _TABLE: dict[str, Any] = read_toml(Path(__file__).with_name("nuisance.toml"))
 NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
@@ -174,17 +174,12 @@ def split_name(
                 _refuse(rest, mine, f"for `{scope}`")
             return scope, rest
     _refuse(name, known, "of the measurements' robot and water")
-    raise AssertionError
 
 
-def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> None:
+def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> NoReturn:
     every = {key: parameter for names in known for key, parameter in names.items()}
-    try:
-        look_up(name, every, "parameters")
-    except BadArgument as err:
-        _, near, hint = err.rule.partition("; the nearest are ")
-        words = near + hint or nearest(name, tuple(NUISANCE))
-        raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{words}") from None
+    hint = near(name, every) or nearest(name, tuple(NUISANCE))
+    raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{hint}")
 
 
 def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:

@@ -90,8 +90,7 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
     """
     if isinstance(name, str) and name in known:
         return known[name]
-    near = _near(name, known) if isinstance(name, str) else []
-    hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}" if near else ""
+    hint = near(name, known) if isinstance(name, str) else ""
     medium = "ground" if any(one.startswith("ground.") for one in known) else "water"
     rule = f"must name numbers of gait, {medium} or robot, as `gait.amplitude`, got {name!r}{hint}"
     raise BadArgument(argument, rule)
@@ -241,8 +240,13 @@ def _parts(thing: Any, step: str) -> Sequence[Any]:
     return [found] if some is None else found[some]
 
 
-def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:
-    """Up to three names that somebody who typed `name` may have meant: alike as a whole, or alike at their ends."""
+def near(name: str, known: Mapping[str, Parameter]) -> str:
+    """The end of a message about a mistyped name: up to three that are alike as a whole or at their ends, or "".
+
+    Args:
+        name: As it was typed.
+        known: What can be swept.
+    """
     plain = name.casefold().replace("-", "_")
     by_end: dict[str, list[str]] = {}
     for word in (word for word in known if "[" not in word):
@@ -250,4 +254,5 @@ def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:
     ends = difflib.get_close_matches(plain.rsplit(".", 1)[-1], by_end, n=2, cutoff=0.75)
     found = [word for end in ends for word in by_end[end]]
     found.sort(key=lambda word: -difflib.SequenceMatcher(None, plain, word).ratio())
-    return list(dict.fromkeys([*found, *difflib.get_close_matches(plain, known, n=3)]))[:3]
+    nearest = list(dict.fromkeys([*found, *difflib.get_close_matches(plain, known, n=3)]))[:3]
+    return f"; the nearest are {', '.join(f'`{word}`' for word in nearest)}" if nearest else ""

@@ -111,15 +111,11 @@ def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume:
                 for name, array in arrays.items():
                     if (array.shape, array.chunks) != (regions.shape, regions.block):
                         raise BadArgument(name, f"must have shape {regions.shape}, got {array.shape}")
-        done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
-        if done.size != regions.count:
-            raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
+        done = _done(path, regions)
         if done.any() and not resume:
             raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
         n_done = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
-        yield Store(
-            folder=path, sweep=sweep, regions=regions, done=done.copy(), n_done=n_done, arrays=arrays, marks=marks
-        )
+        yield Store(folder=path, sweep=sweep, regions=regions, done=done, n_done=n_done, arrays=arrays, marks=marks)
 
 
 def open_sweep(folder: str | Path) -> "xarray.Dataset":
@@ -142,11 +138,11 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
     regions = regions_of(path)
     if not (path / DONE).exists():
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
-    done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
+    done = _done(path, regions)
     with readable(path, RESULTS):
         dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
         dataset = dataset[[name for name in sweeps.QUANTITIES if name in dataset]]  # in our order; older have fewer
-        if done.size != regions.count or any(one.shape != regions.shape for one in dataset.values()):
+        if any(one.shape != regions.shape for one in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
@@ -184,6 +180,14 @@ def regions_of(folder: str | Path) -> Regions:
 def _regions(path: Path, definition: Mapping[str, Any]) -> Regions:
     with readable(path, DEFINITION):
         return Regions(shape=definition["shape"], block=definition[BLOCK])
+
+
+def _done(path: Path, regions: Regions) -> np.ndarray:
+    """Whether each region is stored, by the marks."""
+    done = np.array(bytearray((path / DONE).read_bytes()), dtype=bool)
+    if done.size != regions.count:
+        raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
+    return done
 
 
 def _definition(path: Path) -> dict[str, Any] | None:
