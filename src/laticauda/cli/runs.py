@@ -6,7 +6,7 @@ the estimator and the controller.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import laticauda as lc
 from laticauda import control, estimation, figures, operate, simulate
@@ -14,9 +14,6 @@ from laticauda.cli import command, flags, report, scene, trial
 from laticauda.cli.flags import BadFlag, File, Files, NetCdf, Picture, ScenarioFile, Toml
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.operate.recording.entries import Timing
 
 
 @value
@@ -281,14 +278,21 @@ class Replay(Recording):
         """Read, run again, and write."""
         log = operate.read_operation(self.file)
         estimates = self._estimates(log)
-        trial = operate.trial_of(log, estimates)
-        self._draw(log.timing)
+        trial, timing = operate.trial_of(log, estimates), log.timing
+        if self.plot_timing is not None:
+            if timing is None:
+                raise BadArgument(
+                    "plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}"
+                )
+            figures.save_figure(
+                figures.timing_sheet(timing.lateness, timing.latency, timing.interval), self.plot_timing
+            )
         rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
         verdict = operate.spoken(log, simulate.plant)
         facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}
         text = ["\n".join(verdict["lines"])]
-        if log.timing is not None:
-            facts["timing"] = log.timing.summary()
+        if timing is not None:
+            facts["timing"] = timing.summary()
             text.append(f"The operator's loop: {operate.punctuality(facts['timing'])}.")
         if rerun is not None:
             facts["control"] = {
@@ -299,13 +303,6 @@ class Replay(Recording):
             text.append(_sentence(rerun))
         lost = f"laticauda: {log.lost}" if log.lost else ""
         return replace(self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost)
-
-    def _draw(self, timing: "Timing | None") -> None:
-        if self.plot_timing is None:
-            return
-        if timing is None:
-            raise BadArgument("plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}")
-        figures.save_figure(figures.timing_sheet(timing.lateness, timing.latency, timing.interval), self.plot_timing)
 
     def _estimates(self, log: "operate.OperationLog") -> "list[estimation.Estimate] | None":
         if self.kinematics:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import compress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -224,7 +225,8 @@ def make_problem(
     asked = unknowns.as_unknowns(wanted)
     names = [unknowns.split_name(unknown, scopes, known) for unknown in asked]
     moves = dependence(names, scopes, known)
-    resolved = tuple(unknowns.resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
+    seen = [[*compress(zip(scenarios, known, strict=True), moved)] for moved in moves.T]
+    resolved = tuple(unknowns.resolve(one, *name, of) for one, name, of in zip(asked, names, seen, strict=True))
     return with_starts(Problem(measurements=given, unknowns=resolved, moves=moves, threads=threads))
 
 

@@ -7,8 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
-import numpy as np
-
 from laticauda.errors import BadArgument, at_least_one, finite, label, nearest, positive, shown
 from laticauda.files import read_toml
 from laticauda.quantities import Check, option, quantity, several, value
@@ -20,6 +18,9 @@ NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
 """Nuisance parameters: what a measurement brings besides robot and water."""
 SIMULATED = ("start.heading", "start.velocity")
 """Those that a run depends on; the others change what is seen of it."""
+
+Numbered = tuple[Scenario, Mapping[str, Parameter]]
+"""A measurement's scenario, and the numbers that it has."""
 
 _SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
 RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
@@ -192,25 +193,24 @@ def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
     return [made[key] for key in keys]
 
 
-def resolve(
-    unknown: Unknown,
-    scope: str,
-    name: str,
-    scenarios: Sequence[Scenario],
-    known: Sequence[Mapping[str, Parameter]],
-    applies: np.ndarray,
-) -> ResolvedUnknown:
-    """An unknown with everything filled in."""
-    if not applies.any():
+def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -> ResolvedUnknown:
+    """An unknown with everything filled in.
+
+    Args:
+        unknown: As it was asked for.
+        scope: What it is for.
+        name: Without that.
+        seen: Of the measurements that depend on it.
+    """
+    if not seen:
         raise BadArgument("parameters", f"must leave something to `{unknown.name}`: more special ones take all of it")
-    first = int(np.argmax(applies))
-    scenario, parameter = scenarios[first], known[first][name]
+    scenario, parameter = seen[0][0], seen[0][1][name]
     if name.startswith("gait."):
         rule = f"must not be of the gait, which is what was asked for, got `{unknown.name}`"
         raise BadArgument("parameters", f"{rule}; what the joints make of it is the actuator's, `robot.joint.actuator`")
     if parameter.is_whole:
         raise BadArgument("parameters", f"must be numbers that may change a little, got `{unknown.name}`, a count")
-    _check_tied(unknown, name, scenarios, known, applies)
+    _check_tied(unknown, name, seen)
     start = unknown.start
     if start is None:
         start = 0.0 if name in NUISANCE else value_of(name, scenario, argument="parameters")
@@ -259,20 +259,10 @@ def with_tied(scenario: Scenario, name: str, value: float, tied: Mapping[str, fl
     return {name: value, **others}
 
 
-def _check_tied(
-    unknown: Unknown,
-    name: str,
-    scenarios: Sequence[Scenario],
-    known: Sequence[Mapping[str, Parameter]],
-    applies: np.ndarray,
-) -> None:
+def _check_tied(unknown: Unknown, name: str, seen: Sequence[Numbered]) -> None:
     """Refuse ties that no measurement can have."""
-    if not unknown.tied:
-        return
     where = f"`tied` of `{unknown.name}`"
-    for scenario, numbers, is_one in zip(scenarios, known, applies, strict=True):
-        if not is_one:
-            continue
+    for scenario, numbers in seen if unknown.tied else ():
         for other in unknown.tied:
             if other not in numbers or other == name or other in NUISANCE or numbers[other].is_whole:
                 raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
