@@ -43,11 +43,8 @@ def robots() -> Numbers:
     return {
         "fin": fin,
         "link": link,
-        "length": robot.length,
-        "n_links": robot.n_links,
-        "n_modules": modules.n_links,
-        "module": modules.modules[0].length,
-        "modules_length": modules.length,
+        "robot": robot,
+        "modules": modules,
         "longer": longer,
         "modules_longer": of_modules,
         "printed_longer": of_printed,
@@ -226,15 +223,13 @@ def side(study: SideTrials) -> Numbers:
     _, change, factor = zip(*kept["phase shift"], strict=True)
     return {
         "joints": study.how["joints"],
-        "coefficients": settings.coefficients.name,
+        "settings": settings,
         "shallow": SHALLOW,
         "by_depth": in_words(study.by_depth),
         "by_added_inertia": in_words(study.by_added_inertia),
         "inertia_changes": [*study.by_added_inertia.values()],
         "optimum": math.degrees(study.pd_optimum),
         "robot": ROBOT,
-        "short": settings.n_links[0],
-        "long": settings.n_links[1],
         **{name: math.degrees(getattr(first, name)) for name in ("amplitude", "frequency", "phase_shift")},
         "same_phase_shift": kept["phase shift"],
         "same_waves": kept["number of waves"],
@@ -249,7 +244,7 @@ def following(study: PathFollowingStudy) -> Numbers:
     Args:
         study: What `run_path_following` returned.
     """
-    figures = [case.run.figures for case in study.cases]
+    how, figures = study.how, [case.run.figures for case in study.cases]
     means = [figure["last_third_error"] for figure in figures]
     mean_heading, heading = zip(*map(_heading_errors, study.cases), strict=True)
     gains, convergence = fin_gains(study.cases), _convergence(study)
@@ -260,9 +255,7 @@ def following(study: PathFollowingStudy) -> Numbers:
         "simulated power": lambda case: case.run.mechanical_power,
     }
     return {
-        "joints": study.how["joints"],
-        "loop": scenarios.loop_in_words(study.how),
-        "coefficients": study.settings.coefficients.name,
+        "how": f"{how['joints']} joints, {study.settings.coefficients.name}, {scenarios.loop_in_words(how)}",
         "all": _kept(study, study.cases),
         "fin": _kept(study, [case for case in study.cases if case.group.has_fin]),
         "means": [math.nan if value is None else value for value in means],
