@@ -2,7 +2,6 @@
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeVar, Unpack, cast
 
@@ -131,21 +130,15 @@ def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Pr
     """The figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
     names = (*UNITS, "z")
 
-    def figures(trial: Trial) -> tuple[list[float], bool, str]:
-        found: dict[str, float] = {
-            "heading": trial.heading[-1],
-            **dict(zip("xyz", trial.center_of_mass[-1], strict=True)),
-        }
-        for name in UNITS.keys() - found.keys():
-            with suppress(ValueError):  # it has no meaning for this trial
-                found[name] = getattr(trial, name)
-        numbers = [found.get(name, np.nan) if trial.succeeded else np.nan for name in names]
-        return numbers, trial.succeeded, trial.status
+    def figures(trial: Trial) -> tuple[list[float | None], bool, str]:
+        known = trial.figures()[0] | {"heading": trial.heading[-1]}
+        known |= dict(zip("xyz", trial.center_of_mass[-1], strict=True))
+        return [known.get(name) if trial.succeeded else None for name in names], trial.succeeded, trial.status
 
     for i, one in enumerate(scenarios):
         instance(f"scenarios[{i}].model", one.model, Spatial)
     numbers, succeeded, status = zip(*swim_each(scenarios, figures, threads=threads, progress=progress), strict=True)
-    by_name = dict(zip(names, np.array(numbers).T, strict=True))
+    by_name = dict(zip(names, np.array(numbers, dtype=float).T, strict=True))
     return Collected(figures=by_name, succeeded=np.array(succeeded), status=status)
 
 

@@ -18,7 +18,7 @@ from laticauda.logs.tabular import csv_text
 from laticauda.quantities import option, quantity, value
 from laticauda.simulate.numbers import parameters
 from laticauda.studies import sampling, sweep
-from laticauda.studies.sweep import COSTS, FIGURES, QUANTITIES, Column, Table, attributes_of, scenarios_at
+from laticauda.studies.sweep import COSTS, FIGURES, QUANTITIES, Column, Table, attributes_of, labels_of, scenarios_at
 from laticauda.trial.feasibility import ROUNDING
 
 if TYPE_CHECKING:
@@ -246,18 +246,13 @@ class Front:
         """The front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
         import xarray
 
-        known = parameters(self.optimization.scenario)
-        coordinates = {
-            name: (POINT, column, {"long_name": known[name].title, "units": known[name].unit or "1"})
-            for name, column in zip(self.optimization.names, self.values.T, strict=True)
-        }
-        variables = {
-            name: (POINT, self.figures[name], {"long_name": QUANTITIES[name][1], "units": QUANTITIES[name][0]})
-            for name in FIGURES
-        }
+        sought, labels = self.optimization, labels_of(self.optimization.scenario)
+        columns = zip(sought.names, self.values.T, strict=True)
+        coordinates = {name: (POINT, column, labels[name]) for name, column in columns}
+        variables = {name: (POINT, self.figures[name], labels[name]) for name in FIGURES}
         attributes = {
-            "title": f"Best in {' and '.join(self.optimization.objectives)}",
-            **attributes_of(self.optimization.scenario),
+            "title": f"Best in {' and '.join(sought.objectives)}",
+            **attributes_of(sought.scenario),
             "n_trials": self.n_trials,
             "n_infeasible": self.n_infeasible,
             "seed": self.seed,

@@ -24,7 +24,6 @@ import numpy as np
 
 from laticauda.errors import BadArgument, one_of, optional_import, whole
 from laticauda.files import local, read_text, write
-from laticauda.simulate.numbers import parameters
 from laticauda.simulate.runner import silent
 from laticauda.studies import sweep as sweeps
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
@@ -201,16 +200,10 @@ def _definition(path: Path) -> dict[str, Any] | None:
     return cast("dict[str, Any]", found)
 
 
-def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
-    """The arrays that have a chunk per region: unit, title and what stands in it before."""
-    found: dict[str, tuple[str, str, Any]] = {
-        name: (unit, title, False if name == "succeeded" else np.nan)
-        for name, (unit, title) in sweeps.QUANTITIES.items()
-    }
-    if not isinstance(sweep.points, Grid):
-        known = parameters(sweep.scenario)
-        found |= {name: (known[name].unit, known[name].title, np.nan) for name in sweep.points.names}
-    return found
+def _by_region(sweep: Sweep) -> dict[str, Any]:
+    """The arrays that have a chunk per region, and what stands in it before."""
+    names = (*sweeps.QUANTITIES, *(() if isinstance(sweep.points, Grid) else sweep.points.names))
+    return {name: False if name == "succeeded" else np.nan for name in names}
 
 
 def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
@@ -220,7 +213,8 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
     if not isinstance(sweep.points, Grid):
         attributes["coordinates"] = " ".join(sweep.points.names)
     group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
-    for name, (unit, title, empty) in _by_region(sweep).items():
+    labels = sweeps.labels_of(sweep.scenario)
+    for name, empty in _by_region(sweep).items():
         group.create_array(
             name,
             shape=regions.shape,
@@ -228,13 +222,11 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
             dtype=bool if empty is False else float,
             fill_value=empty,
             dimension_names=sweep.points.dims,
-            attributes={"long_name": title} | ({"units": unit} if unit else {}),
+            attributes=labels[name],
         )
     if isinstance(sweep.points, Grid):
-        known = parameters(sweep.scenario)
         for name, values in sweep.points.values.items():
-            about = {"long_name": known[name].title, "units": known[name].unit or "1"}
-            group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=about)
+            group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=labels[name])
     write(path / DONE, bytes(regions.count))  # the disk has room for the marks, and says so now
 
 

@@ -76,6 +76,12 @@ def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
     }
 
 
+def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
+    """What stands beside every stored parameter and quantity, by name: what it is, and its unit."""
+    known = {name: (one.unit or "1", one.title) for name, one in parameters(scenario).items()} | QUANTITIES
+    return {name: {"long_name": title, **({"units": unit} if unit else {})} for name, (unit, title) in known.items()}
+
+
 def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
     """Refuse what cannot be swept, before any work is done.
 
