@@ -5,7 +5,8 @@ Each serves until Ctrl-C, with one line that says where to reach it.
 
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
@@ -127,20 +128,12 @@ class LabCommand(Command):
 
 def _listen(served: "lab.Lab") -> None:
     """Do what lines on the standard input say, until it ends."""
-    for line in _lines():
-        if line.strip():
+    with suppress(OSError):  # there is none
+        for line in filter(str.strip, sys.stdin or ()):
             try:
                 print(served.call(lambda tank, line=line: lab.assist(tank, line)), file=sys.stderr, flush=True)
             except ValueError as error:
                 print(error, file=sys.stderr, flush=True)
-
-
-def _lines() -> Iterator[str]:
-    """The lines of the standard input, if there is one."""
-    try:
-        yield from sys.stdin or ()
-    except OSError:
-        return
 
 
 # ---- robots in water for other programs -----------------------------------------------------------------------------

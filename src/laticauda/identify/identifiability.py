@@ -71,10 +71,9 @@ def identifiability(
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)
     strength, vectors = strengths(scaled)
-    with np.errstate(divide="ignore"):
-        sigma = 1.0 / np.sqrt(strength)
     ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
     with np.errstate(divide="ignore"):
+        sigma = 1.0 / np.sqrt(strength)
         reach = np.min(ranges[:, np.newaxis] / np.abs(vectors), axis=0)
     directions = tuple(
         Direction(

@@ -9,6 +9,7 @@ And the speeds of path-following trials: measured, simulated in several ways, an
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 from laticauda.figures import style
 from laticauda.paper.efficiency import Repeat
 from laticauda.paper.measured import MeasuredCase
-from laticauda.paper.path_following import FollowingCase
+from laticauda.paper.path_following import FollowingCase, by_law
 from laticauda.paper.settings import SweepSettings
 
 Curves = Float[np.ndarray, "n_curves n_values"]
@@ -236,13 +237,14 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
         null: Predicted without physics, by row [m/s].
         ax: Where to draw.
     """
-    places = _places(rows)
+    steps = [1.0 if row.group == before.group else 1.0 + GAP for before, row in pairwise(rows)]
+    places = np.cumsum([0.0, *steps]).tolist()
     for row, y, predicted in zip(rows, places, null, strict=True):
         speeds = [run.forward_velocity for run in row.band]
         ax.plot([min(speeds), max(speeds)], [y, y], **RANGE)
-        for (color, marker), law in zip(LAWS, _bandwidths(row), strict=False):
-            runs = [run.forward_velocity for run in row.band if run.joints == law]
-            ax.plot(runs, [y] * len(runs), **style.points(marker, 4.0, color), zorder=3)
+        for (color, marker), runs in zip(LAWS, by_law(row).values(), strict=False):
+            found = [run.forward_velocity for run in runs]
+            ax.plot(found, [y] * len(found), **style.points(marker, 4.0, color), zorder=3)
         values = {"null": predicted, "mean": row.cycle_mean.forward_velocity}
         values |= {"chosen": row.run.forward_velocity, "measured": row.measured.forward_velocity}
         for name, speed in values.items():
@@ -277,28 +279,11 @@ def following_speeds_sheet(
     words = {"measured": "measured in the tank", "chosen": chosen, "mean": "the same, cycle-mean heading"}
     words["null"] = null[0]
     handles = [Line2D([], [], label=label, **SPEED_MARKS[name]) for name, label in words.items()]
-    for (color, marker), (law, found) in zip(LAWS, _bandwidths(rows[0]).items(), strict=False):
-        label = f"{law} joints, {' and '.join(f'{each:g}' for each in found)} rad/s, raw heading"
+    for (color, marker), (law, runs) in zip(LAWS, by_law(rows[0]).items(), strict=False):
+        label = f"{law} joints, {' and '.join(f'{run.offset_bandwidth:g}' for run in runs)} rad/s, raw heading"
         handles.append(Line2D([], [], label=label, **style.points(marker, 4.0, color)))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
     style.outside_legend(figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7)
     style.head(figure, title)
     return figure
-
-
-def _places(rows: Sequence[FollowingCase]) -> list[float]:
-    """Heights of the rows, with room before each group."""
-    places: list[float] = []
-    for i, row in enumerate(rows):
-        step = 1.0 if i == 0 or row.group == rows[i - 1].group else 1.0 + GAP
-        places.append(places[-1] + step if places else 0.0)
-    return places
-
-
-def _bandwidths(case: FollowingCase) -> dict[str, list[float]]:
-    """By joint law, the bandwidths of the band [rad/s]."""
-    found: dict[str, list[float]] = {}
-    for run in case.band:
-        found.setdefault(run.joints, []).append(run.offset_bandwidth)
-    return found

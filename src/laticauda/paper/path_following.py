@@ -156,6 +156,18 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
         return PathFollowingStudy(settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out())
 
 
+def by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
+    """The band of a case by joint law.
+
+    Args:
+        case: Of the study.
+    """
+    found: dict[str, list[FollowingRun]] = {}
+    for run in case.band:
+        found.setdefault(run.joints, []).append(run)
+    return found
+
+
 run_path_following = PathFollowingStudy.run
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial, reduce
+from itertools import groupby
 from pathlib import Path
 from typing import Any, cast
 
@@ -38,12 +39,8 @@ def figure_numbers(numbers: Sequence[int]) -> str:
     Args:
         numbers: At least one, rising.
     """
-    rows: list[list[int]] = []
-    for number in numbers:
-        if rows and rows[-1][-1] == number - 1:
-            rows[-1].append(number)
-        else:
-            rows.append([number])
+    in_a_row = groupby(enumerate(numbers), lambda pair: pair[1] - pair[0])  # they rise as their places do
+    rows = [[number for _, number in row] for _, row in in_a_row]
     parts = [f"{row[0]}" if len(row) == 1 else f"{row[0]} to {row[-1]}" for row in rows]
     listed = " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else parts[0]
     return f"{'Fig.' if len(numbers) == 1 else 'Figs.'} {listed}"

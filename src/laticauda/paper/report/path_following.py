@@ -9,7 +9,7 @@ import numpy as np
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
-from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
+from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy, by_law
 from laticauda.paper.report.chapter import error_rows, fin_row, misprinted, paper_chapter, row
 from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
 from laticauda.reports.chapter import Chapter, Row
@@ -43,14 +43,11 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
 def _findings(study: PathFollowingStudy) -> dict[str, Any]:
     """What the sentences of the chapter are made of."""
     settings, cases, ways, gains = study.settings, study.cases, simulated(study), fin_gains(study.cases)
-    laws: dict[str, list[FollowingRun]] = {}
-    for run in cases[0].band:
-        laws.setdefault(run.joints, []).append(run)
     kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
     by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
     return {
         "n_runs": settings.n_runs(cases[0].run.joints, cases[0].run.offset_bandwidth),
-        "laws": laws,
+        "laws": by_law(cases[0]),
         "there": [case.run.figures for case in cases if case.run.converged],
         "kept": [_kept(study, runs) for runs in in_all_ways(study)],
         "errors": ways,
