@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,8 +40,8 @@ def run(folder: Path | None, budget: int, kind: str = "front", say: bool = False
         bounds={"gait.amplitude": (0.2, 2.0), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 9)},
         objectives=KINDS[kind],
     )
-    tell = (lambda done, total: print(done, flush=True)) if say else None
-    return optimize(sought, folder, budget=budget, population=POPULATION, seed=5, progress=tell)
+    how: Any = {"progress": lambda done, total: print(done, flush=True)} if say else {}
+    return optimize(sought, folder, budget=budget, population=POPULATION, seed=5, **how)
 
 
 def contents(front: Front) -> dict[str, bytes]:

@@ -94,9 +94,7 @@ def test_the_force_of_a_tow_says_the_friction_in_closed_form():
     (information,) = information_of(put, [candidate], put.start)
     assert information[0, 0] == pytest.approx((towing_drag(FINNED, WATER, 0.3) / 0.1) ** 2, rel=0.3)
     without_fin = from_tow(ROBOT, WATER, tow, sigma=0.1, share=0.0)
-    (information,) = information_of(
-        put_of([without_fin], ["water.tangential_friction"]), [without_fin], put.start, None
-    )
+    (information,) = information_of(put_of([without_fin], ["water.tangential_friction"]), [without_fin], put.start)
     assert information[0, 0] == pytest.approx((towing_drag(ROBOT, WATER, 0.3) / 0.1) ** 2, rel=1e-6)
 
 

@@ -55,7 +55,7 @@ def test_a_trial_that_blows_up_is_named(monkeypatch):
     def fail(*args, **settings):
         raise SimulationFailed("The run blew up at 3 s.")
 
-    monkeypatch.setattr(module, "run", fail)
+    monkeypatch.setattr(module, "run_scenario", fail)
     message = r"mamba, lateral_undulation, amplitude 30, frequency 130, phase shift 40 \[deg, deg/s\], paper-lateral: "
     with pytest.raises(SimulationFailed, match=message + "The run blew up at 3 s."):
         run_efficiency(replace(efficiency_settings(), models=efficiency_settings().models[:1]))

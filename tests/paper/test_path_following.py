@@ -124,7 +124,7 @@ def test_a_run_that_blows_up_is_named(monkeypatch):
     def fail(*args, **settings):
         raise SimulationFailed("The run blew up at 3 s.")
 
-    monkeypatch.setattr(sys.modules["laticauda.paper.runs"], "run", fail)
+    monkeypatch.setattr(sys.modules["laticauda.paper.runs"], "run_scenario", fail)
     message = "lateral undulation, with fin, unsteered, joints prescribed, bandwidth 10 rad/s: The run blew up at 3 s."
     with pytest.raises(SimulationFailed, match=message):
         run_path_following(ONE)

@@ -56,10 +56,6 @@ class Store:
     marks: BinaryIO
     """The file of the marks, not buffered."""
 
-    def pending(self) -> list[int]:
-        """Numbers of the regions that are still to come, in rising order."""
-        return np.flatnonzero(~self.done).tolist()
-
     def write(self, index: int, table: sweeps.Table, found: Mapping[str, sweeps.Column]) -> None:
         """Store a region, then mark it.
 
@@ -277,7 +273,7 @@ def run_sweep(
         whole("threads", threads, 1)
     with opened(folder, sweep, region_size=region_size, resume=resume) as store:
         progress(store.n_done, sweep.n_trials)
-        pending = store.pending()
+        pending = np.flatnonzero(~store.done).tolist()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
             for index, table, found in results:
                 store.write(index, table, found)
