@@ -30,11 +30,8 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         return MISSING
     names = list(rows[0])
     right = [i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)]
-    return aligned([names, *([_cell(row[name]) for name in names] for row in rows)], right)
-
-
-def _cell(value: Any) -> str:
-    return value if isinstance(value, str) else number(value)
+    cells = [[row[name] if isinstance(row[name], str) else number(row[name]) for name in names] for row in rows]
+    return aligned([names, *cells], right)
 
 
 def read_in(value: float | None, unit: str) -> tuple[str, str]:

@@ -27,7 +27,6 @@ _MOST_BARS = 60
 
 MARKS = tuple(zip((style.BLUE, style.ORANGE, style.AMBER, style.INK, style.GRAY), "osD^v", strict=True))
 """By group, color and marker; they repeat."""
-_LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
 
 Ends = Float[np.ndarray, "2"]
 """Of an interval; nan where it is open."""
@@ -285,8 +284,8 @@ def shrinking(
     n = np.arange(len(sigma))
     finite = sigma[np.isfinite(sigma)]
     top = 3.0 * min(float(np.max(finite, initial=limit)), 10.0 * limit)
-    looks = zip(cycle(MARKS), cycle(_LINES), strict=False)  # lines may lie on each other
-    for label, mine, ((color, marker), dashes) in zip(labels, sigma.T, looks, strict=False):
+    looks = zip(cycle(MARKS), cycle(style.LINES), strict=False)  # lines may lie on each other
+    for label, mine, ((color, marker), (_, dashes)) in zip(labels, sigma.T, looks, strict=False):
         style_of = {"color": color, "marker": marker, "markersize": 4.0, "linewidth": style.LINE}
         ax.semilogy(n, np.minimum(mine, top), linestyle=dashes, label=label, **style_of)
         beyond = n[~(mine < top)]

@@ -171,14 +171,11 @@ def _pymoo(module: str) -> Any:
     return optional_import("An optimization", "pymoo", "scale", f"pymoo.{module}")
 
 
-BUDGET = 4000
-
-
 def optimize(
     optimization: Optimization,
     folder: str | Path | None = None,
     *,
-    budget: int = BUDGET,
+    budget: int = 4000,
     population: int | None = None,
     seed: int = 0,
     progress: Progress = silent,

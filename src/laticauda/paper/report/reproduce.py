@@ -35,8 +35,6 @@ RUNS: Mapping[str, Callable[..., Any]] = {
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {"efficiency": ("efficiency", "side"), "path-following": ("path_following",)}
 """The studies that belong to each half of the paper."""
-STUDIES = tuple(HALVES)
-"""The halves of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
@@ -119,7 +117,7 @@ def reproduce(
     Args:
         folder: Made if it does not exist; files of the same names are replaced, others are left alone.
         settings: Of all studies; None takes the paper's. `paper_experiments` makes those for other coefficients.
-        only: One of `STUDIES`; None runs all there are.
+        only: One of `HALVES`; None runs all there are.
         model: By which model, or its name.
         repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
         workers: Processes to spread the studies over. More than 1 needs a script whose main part stands under
@@ -136,7 +134,7 @@ def reproduce(
         SimulationFailed: If a trial blows up.
     """
     if only is not None:
-        one_of("only", only, STUDIES)
+        one_of("only", only, tuple(HALVES))
     whole("workers", workers, 1)
     folder = writable_folder(folder)
     report = paper_templates().get_template("report.html")
