@@ -79,11 +79,8 @@ class Recorder:
         self._chunk_ns = moment(positive("chunk_seconds", chunk_seconds, "s"))
         self.path = Path(path)
         """The file."""
-        try:
-            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise StorageFailed(f"Cannot write {path}: {reason}; name another place.") from error
+        mode = "wb" if overwrite else "xb"
+        self._file: BinaryIO = self._guarded(lambda: self.path.open(mode), "name another place")
         # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
         self._writer = Writer(self._file, chunk_size=1 << 40)
         self._schemas: dict[str, int] = {}
@@ -331,12 +328,12 @@ class Recorder:
         self._guarded(self._writer.flush)
         self._open_since, self._open_bytes = None, 0
 
-    def _guarded(self, act: Callable[[], object]) -> None:
+    def _guarded(self, act: Callable[[], Any], advice: str = "what came before is kept") -> Any:
         try:
-            act()
+            return act()
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            raise StorageFailed(f"Cannot write {self.path}: {reason}; what came before is kept.") from error
+            raise StorageFailed(f"Cannot write {self.path}: {reason}; {advice}.") from error
 
 
 def _header(time: float, frame: str) -> tuple[Any, ...]:
