@@ -3,8 +3,6 @@
 From a table to a `Trial` go units, axes, kinematics, gaps, rates and work.
 """
 
-from collections.abc import Generator
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ from laticauda import files, kinematics, robot, scenarios, series, trial
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.logs import column_maps, tables, tabular
 from laticauda.logs.placing import Measured, joints_of, place_of
+from laticauda.logs.recording import failures_of
 from laticauda.trial import dataset, metrics
 from laticauda.trial.arrays import Samples, times
 
@@ -43,7 +42,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
     if columns is not None:
         given = columns if isinstance(columns, column_maps.ColumnMap) else column_maps.load_column_map(columns)
         by = path if columns is given else f"{path} by {columns}"
-        with _failures_of(by):
+        with failures_of(by):
             return measured_trial(read_table(path, given.separator, given.decimal), given, path.name)
     form = trial.Format.of(path)
     if not form.is_whole:
@@ -51,7 +50,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
             f"Cannot load {path}: a {path.suffix} file does not say what swam; give a column map "
             "(`columns`, on the command line --columns)."
         )
-    with _failures_of(path):
+    with failures_of(path):
         return trial.Trial.from_dataset(form.read(path))
 
 
@@ -85,21 +84,6 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     return (
         tables.qtm_table(lines) if lines[0].startswith("NO_OF_FRAMES") else tables.csv_table(lines, separator, decimal)
     )
-
-
-@contextmanager
-def _failures_of(path: object) -> Generator[None]:
-    """Within it, what goes wrong is said of that file."""
-    try:
-        yield
-    except TrialFileError:
-        raise
-    except OSError as error:
-        raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
-    except KeyError as error:
-        raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
-    except (ValueError, TypeError, RecursionError) as error:  # a text or an array that is not as it was written
-        raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 
 # ---- measured trials -----------------------------------------------------------------------------------------------

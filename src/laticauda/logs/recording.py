@@ -4,7 +4,8 @@ import io
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
@@ -160,10 +161,30 @@ def open_recording(path: str | Path) -> Recording:
         MissingExtra: If the package `mcap` is not installed.
     """
     recorder.need_mcap()
-    try:
+    with failures_of(path):
         return Recording(Path(path))
+
+
+@contextmanager
+def failures_of(path: object) -> Generator[None]:
+    """Within it, what goes wrong is said of that file.
+
+    Args:
+        path: What messages call it.
+
+    Raises:
+        TrialFileError: With its name and the reason.
+    """
+    try:
+        yield
+    except TrialFileError:
+        raise
     except OSError as error:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
+    except KeyError as error:
+        raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
+    except (ValueError, TypeError, IndexError, RecursionError) as error:  # what is not as it was written
+        raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 
 def read_messages(path: str | Path, *topics: str) -> Iterator[Logged]:

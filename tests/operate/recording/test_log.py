@@ -77,7 +77,7 @@ def test_an_error_without_words_is_named(tmp_path: Path):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"supply_voltage": None}, r"Cannot load .*a\.mcap: it has no 'supply_voltage'\."),
+        ({"supply_voltage": None}, r"Cannot load .*a\.mcap: it has no `supply_voltage`\."),
         ({"supply_voltage": "[1"}, r"Cannot load .*a\.mcap: Expecting ',' delimiter"),
         ({"supply_voltage": "-3.0"}, r"Cannot load .*a\.mcap: .*`supply_voltage` must be > 0 V, got -3"),
         ({"format": "5"}, r"it has format 5, and this version of laticauda reads 4: read it with the laticauda that"),

@@ -7,8 +7,7 @@ docs/how-to/recordings.md lists the topics.
 
 import json
 import math
-from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance, not_negative
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.kinematics import to_quaternion, turn
+from laticauda.logs.recording import failures_of
 from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording import entries
 from laticauda.operate.recording.entries import Decision, Entry, Event, Header, PowerReading, Tick, Timing
@@ -188,7 +188,7 @@ def read_operation(path: str | Path) -> OperationLog:
     recording = logs.open_recording(path)
     header = header_in(recording)
     version = recording.metadata[entries.HEADER]["version"]
-    with _readable(path):
+    with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
     notes = {name: content for name, content in recording.metadata.items() if name != entries.HEADER}
     return OperationLog(
@@ -210,20 +210,8 @@ def header_in(recording: logs.Recording) -> Header:
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
             f"{entries.FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
         )
-    with _readable(path):
+    with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         return entries.header_from_texts(texts)
-
-
-@contextmanager
-def _readable(path: str | Path) -> Generator[None]:
-    """What is wrong with the content of the recording is said in one sentence."""
-    try:
-        with codec.keys_of(f"Cannot load {path}", TrialFileError):
-            yield
-    except KeyError as error:
-        raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
-    except (ValueError, TypeError, IndexError) as error:
-        raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 
 def entry_of(logged: logs.Logged) -> Entry:
