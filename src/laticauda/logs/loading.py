@@ -219,18 +219,27 @@ def rate(time: Samples, signal: Float[np.ndarray, "n ..."], window: float) -> Fl
     even = time[0] + step * np.arange(n)
     flat = signal.reshape(n, -1)
     is_even = bool(np.max(np.abs(even - time)) < 1e-3 * step)
-    values = flat if is_even else _interpolated(even, time, flat)
+    values = flat if is_even else interpolated(even, time, flat)
     width = 2 * max(round(0.5 * window / step), 2) + 1
     slope = _slopes(values, min(width, n)) / step
     if not is_even:
-        slope = _interpolated(time, even, slope)
+        slope = interpolated(time, even, slope)
     return slope.reshape(signal.shape)
 
 
-def _interpolated(at: Samples, time: Samples, values: Columns) -> Columns:
-    found = np.empty((at.size, values.shape[1]))
-    for i in range(values.shape[1]):
-        found[:, i] = np.interp(at, time, values[:, i])
+def interpolated(at: Float[np.ndarray, "*at"], time: Samples, values: Columns) -> Float[np.ndarray, "*at n_columns"]:
+    """Straight lines between what is known, column by column; a column of which nothing is known stays nan.
+
+    Args:
+        at: When [s].
+        time: Of the samples, growing [s].
+        values: Theirs; nan where one is not known.
+    """
+    found = np.full((*at.shape, values.shape[1]), np.nan)
+    for i, column in enumerate(values.T):
+        known = np.isfinite(column)
+        if known.any():
+            found[..., i] = np.interp(at, time[known], column[known])
     return found
 
 

@@ -18,6 +18,7 @@ from laticauda import gaits
 from laticauda.dynamics.plant import Plant
 from laticauda.estimation import Estimate, JointSample, Mount, PoseSample, ReferenceSample
 from laticauda.interfaces import Command, Start
+from laticauda.logs.loading import interpolated
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.recording.log import OperationLog
 from laticauda.operate.settings import Acceptance
@@ -122,13 +123,13 @@ class _Run:
     """The run of a recording, cycle by cycle, and the same by the model."""
 
     def __init__(self, log: OperationLog, plant: Plant[Any] | None) -> None:
-        self.log, (self.begin, end) = log, log.span
+        self.log, self.begin = log, log.span[0]
         robot = log.header.run.robot
         self.mount: Mount = getattr(log.header.estimator, "mount", Mount())
         self.link = self.mount.on_link(robot)[0]
-        self.estimates: list[Estimate] = self._within(Estimate, self.begin, end)
-        self.samples: list[JointSample] = self._within(JointSample, self.begin, end)
-        self.references: list[ReferenceSample] = self._within(ReferenceSample, self.begin, end)
+        self.estimates: list[Estimate] = log.of_run(Estimate)
+        self.samples: list[JointSample] = log.of_run(JointSample)
+        self.references: list[ReferenceSample] = log.of_run(ReferenceSample)
         self.seen: list[Any] = [one for one in log.of(PoseSample) if one.rotation is not None]
         frequency = max((one.frequency or 0.0 for one in self.references), default=0.0)
         cycle = 2.0 * math.pi / frequency if frequency else CYCLE
@@ -150,20 +151,12 @@ class _Run:
         if self.model and self.ends.size > 1 and len(self.seen) > 2 * FRAMES:
             yield from self._motion()
 
-    def _within(self, kind: type[Any], begin: float, end: float) -> list[Any]:
-        return [one for one in self.log.of(kind) if begin <= one.time <= end]
-
     def _columns(self, name: str) -> Array:
         return np.array([getattr(one, name) for one in self.samples], dtype=float)
 
     def _at(self, when: Any, values: Any) -> Array:
         """What was measured at some times, straight between those that are known: by cycle, point and column."""
-        table, when = np.array(values, dtype=float).reshape(len(when), -1), np.array(when)
-        columns: list[Array] = []
-        for one in table.T:
-            known = np.isfinite(one)
-            columns.append(np.interp(self.grid, when[known], one[known]) if known.any() else self.grid * np.nan)
-        return np.stack(columns, axis=-1)
+        return interpolated(self.grid, np.array(when), np.array(values, dtype=float).reshape(len(when), -1))
 
     def _modelled(self, plant: Plant[Any]) -> tuple[Array, ...]:
         """Time, joint angles, place, heading, and angle of the markers' link by the model; () if that fails."""
@@ -189,7 +182,8 @@ class _Run:
         events: list[Event] = self.log.of(Event)
         unset = [float(one.data.get("without_zero", 0)) for one in events if one.kind == "calibrating"]
         yield "without_zero", ([self.begin], np.array(unset[-1:]), "")
-        still = [one for one in self._within(Estimate, self.begin - BEFORE, self.begin) if one.age < GAP]
+        seen: list[Estimate] = self.log.of(Estimate)
+        still = [one for one in seen if 0.0 <= self.begin - one.time <= BEFORE and one.age < GAP]
         if len(still) > 1 and still[-1].time - still[0].time > 0.5 * BEFORE:
             place = np.array([one.center_of_mass[:2] for one in still])
             drift = np.polyfit([one.time - self.begin for one in still], place, 1)[0]

@@ -174,6 +174,11 @@ class OperationLog:
         """The entries of some `kinds` of class, in their order."""
         return [entry for entry in self.entries if isinstance(entry, kinds)]
 
+    def of_run(self, kind: type[Any]) -> list[Any]:
+        """Those of one `kind` from the begin of the run to its end."""
+        begin, end = self.span
+        return [entry for entry in self.of(kind) if begin <= entry.time <= end]
+
 
 def read_operation(path: str | Path) -> OperationLog:
     """Read what `OperationRecorder` wrote; of a file that ends in the middle, all that is complete.
@@ -286,8 +291,7 @@ def rerun_controller(
     chosen: Any = log.header.controller if controller is None else controller
     if chosen is None:
         raise BadArgument("controller", "must be given: the recording holds none, got None")
-    begin, end = log.span
-    recorded = [item for item in log.of(Decision) if begin <= item.time <= end]
+    recorded = log.of_run(Decision)
     known = {item.time: item for item in (log.of(Estimate) if estimates is None else estimates)}
     state, again = chosen.init(), list[Decision]()
     for decision in recorded:

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from laticauda.errors import TrialFileError, not_negative
 from laticauda.estimation import Estimate, JointSample, ReferenceSample
 from laticauda.interfaces import Observation
+from laticauda.logs.loading import interpolated
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.robot import Robot
@@ -72,7 +73,8 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     fin = _of_fin(log, time)
     if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
         work = work + metrics.joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
-    end, wrong = _ending(log), [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
+    end = next((one for one in log.of_run(Event) if one.kind in ("stop", "fault")), None)
+    wrong = [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
     counts = end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True
     return Trial.measured(
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
@@ -147,12 +149,7 @@ def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
         return None
     when = np.array([sample.time for sample in samples])
     table = np.stack([own(log.header.run.robot, "torque", sample.torque) for sample in samples])
-    known = np.isfinite(table)
-    columns: list[Column] = [
-        np.interp(time, when[is_known], column[is_known]) if is_known.any() else np.zeros(time.size)
-        for column, is_known in zip(table.T, known.T, strict=True)
-    ]
-    return np.stack(columns, axis=1)
+    return np.nan_to_num(interpolated(time, when, table))
 
 
 def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
@@ -184,24 +181,13 @@ def _in_force(samples: list[ReferenceSample], time: Column, some: Callable[[Colu
 
 def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, Column]:
     """The controller's signals, held between control instants, and the estimator's standard deviations."""
-    found = {
-        "age": np.array([estimate.age for estimate in run]),
-        "center_of_mass_std": np.array([estimate.center_of_mass_std for estimate in run]),
-        "heading_std": np.array([estimate.heading_std for estimate in run]),
-    }
-    if run[0].center_of_mass.size == 3:
-        found["pitch"] = np.array([estimate.pitch for estimate in run])
-    begin, end = log.span
-    decisions = [item for item in log.of(Decision) if begin <= item.time <= end and item.signals]
+    pitch = ("pitch",) if run[0].center_of_mass.size == 3 else ()
+    names = "age", "center_of_mass_std", "heading_std", *pitch
+    found = {name: np.array([getattr(estimate, name) for estimate in run]) for name in names}
+    decisions = [item for item in log.of_run(Decision) if item.signals]
     if decisions:
         when = np.array([item.time for item in decisions])
         held = np.maximum(np.searchsorted(when, time + 1e-9, side="right") - 1, 0)
         for name in decisions[0].signals:
             found[name] = np.array([item.signals.get(name, 0.0) for item in decisions])[held]
     return found
-
-
-def _ending(log: OperationLog) -> Event | None:
-    """The event that ended the run."""
-    begin, end = log.span
-    return next((e for e in log.of(Event) if e.kind in ("stop", "fault") and begin <= e.time <= end), None)
