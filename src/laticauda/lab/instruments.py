@@ -1,6 +1,7 @@
 """What measures the robot, from what is so to what is read: cameras, the meter in the supply cable, its modules."""
 
 import math
+from statistics import fmean
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -108,7 +109,7 @@ class Multimeter:
         self._charge, self._elapsed, self._time = 0.0, 0.0, 0.0
         self._live: float | None = None
         self._began: float | None = None
-        self._sum, self._count, self._minimum, self._maximum = 0.0, 0, math.inf, -math.inf
+        self._shown: list[float] = []  # since then
 
     def advance(self, current: float, dt: float) -> None:
         """Let `dt` [s] pass at a `current` [A]."""
@@ -120,23 +121,17 @@ class Multimeter:
             self._live = round(self._charge / self._elapsed + noise, 4)  # it shows four decimals
             self._charge = self._elapsed = 0.0
             if self._began is not None:
-                self._sum, self._count = self._sum + self._live, self._count + 1
-                self._minimum, self._maximum = min(self._minimum, self._live), max(self._maximum, self._live)
+                self._shown.append(self._live)
 
     @property
     def reading(self) -> MeterReading | None:
         """What it shows; None: nothing yet."""
         if self._live is None:
             return None
-        if self._began is None or not self._count:
+        if self._began is None or not self._shown:
             return MeterReading(live=self._live)
-        return MeterReading(
-            live=self._live,
-            average=self._sum / self._count,
-            minimum=self._minimum,
-            maximum=self._maximum,
-            duration=self._time - self._began,
-        )
+        ends = {"minimum": min(self._shown), "maximum": max(self._shown)}
+        return MeterReading(live=self._live, average=fmean(self._shown), **ends, duration=self._time - self._began)
 
     def answer(self, line: str) -> bytes:
         """What it says to a line, as it goes over the wire."""
@@ -144,8 +139,7 @@ class Multimeter:
         if word == meter.IDENTITY:
             return meter.encode_answer(IDENTITY)
         if word == meter.RESTART:
-            self._began = self._time
-            self._sum, self._count, self._minimum, self._maximum = 0.0, 0, math.inf, -math.inf
+            self._began, self._shown = self._time, []
             return meter.encode_answer()
         if word not in (meter.MEASURE, meter.DISPLAYED):
             return meter.encode_answer(acknowledgment=meter.Acknowledgment.SYNTAX_ERROR)

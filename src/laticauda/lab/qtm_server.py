@@ -53,6 +53,13 @@ class QtmServer:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread: threading.Thread | None = None
         self._server: asyncio.Server | None = None
+        self._commands: dict[str, Callable[[_Client, Sequence[str]], bytes]] = {
+            "version": self._version,
+            "getstate": lambda client, words: qtm.encode_event(qtm.Event.CONNECTED),
+            "getparameters": self._parameters,
+            "getcurrentframe": self._current_frame,
+            "streamframes": self._stream_frames,
+        }
 
     def start(self) -> None:
         """Begin to listen.
@@ -121,24 +128,13 @@ class QtmServer:
             writer.close()
 
     def _answer(self, client: _Client, kind: int, text: str) -> None:
-        word, _, rest = text.strip().partition(" ")
-        answer = self._commands().get(word.lower()) if kind == qtm.PacketType.COMMAND else None
-        client.send(PARSE_ERROR if answer is None else answer(client, rest.split()))
-
-    def _commands(self) -> dict[str, Callable[[_Client, Sequence[str]], bytes]]:
-        def says(text: str) -> Callable[[_Client, Sequence[str]], bytes]:
-            return lambda client, words: qtm.encode_text(text)
-
-        def state(client: _Client, words: Sequence[str]) -> bytes:
-            return qtm.encode_event(qtm.Event.CONNECTED)
-
-        return {word: says(text) for word, text in ANSWERS.items()} | {
-            "version": self._version,
-            "getstate": state,
-            "getparameters": self._parameters,
-            "getcurrentframe": self._current_frame,
-            "streamframes": self._stream_frames,
-        }
+        word, *rest = text.split() or [""]
+        answer, word = PARSE_ERROR, word.lower()
+        if kind == qtm.PacketType.COMMAND and word in ANSWERS:
+            answer = qtm.encode_text(ANSWERS[word])
+        elif kind == qtm.PacketType.COMMAND and word in self._commands:
+            answer = self._commands[word](client, rest)
+        client.send(answer)
 
     def _version(self, client: _Client, words: Sequence[str]) -> bytes:
         if not words:
