@@ -142,7 +142,8 @@ class Tank:
             if self.faults.present:
                 if self._is_hit("frame_loss", node.number):
                     continue
-                received = self._corrupted(node.number, identifier, data, message)
+                if self._is_hit("frame_corruption", node.number):  # this node hears something else
+                    received = decode(identifier, self._wire.bytes(len(data)))
             if received is not None:
                 self._transmit(node, node.receive(received, self.time, self._senses[i]))
 
@@ -226,12 +227,6 @@ class Tank:
     def _is_hit(self, kind: str, number: int) -> bool:
         fault = self.faults.on(kind, number)
         return fault is not None and self._wire.random() < fault.share
-
-    def _corrupted(self, number: int, identifier: int, data: bytes, message: CanMessage | None) -> CanMessage | None:
-        """The message as this node hears it."""
-        if not self._is_hit("frame_corruption", number):
-            return message
-        return decode(identifier, self._wire.bytes(len(data)))
 
 
 HELP = Path(__file__).with_name("help.txt").read_text().strip().format(kinds=", ".join(KINDS))

@@ -55,11 +55,6 @@ class Devices:
         )
         return inputs, frames
 
-    def begin_run(self) -> None:
-        """The run begins: what averages begins anew."""
-        if self.meter is not None:
-            self.meter.restart()
-
 
 @contextmanager
 def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
@@ -128,8 +123,8 @@ def run_loop(
                     devices.bus.send((protocol.EmergencyStop(reason=2),))
                     raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
             sent = devices.bus.send(outputs.messages)
-            if any(event.kind == "start" for event in outputs.events):
-                devices.begin_run()
+            if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
+                devices.meter.restart()  # what averages begins anew
             if clock.is_real:
                 tick = entries.Tick(due, now, clock.now())
                 ticks[n_ticks % MOST_TICKS] = tick.due, tick.began, tick.sent
