@@ -68,8 +68,8 @@ def _checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
     return numbers
 
 
-class Shown:
-    """What an environment shows of its robots: nothing, or with the `render_mode` rgb_array pictures.
+class _Tasked:
+    """A task's episodes, and what is shown of the robots: nothing, or with the `render_mode` rgb_array pictures.
 
     Raises:
         ValueError: If it is another one.
@@ -77,14 +77,13 @@ class Shown:
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012 - of the class, for Gymnasium
     render_mode: str | None
-    episodes: Episodes
     _studio: Any = None
 
-    def _begin_to_show(self, render_mode: str | None) -> None:
+    def _set_up(self, task: Swimming, n: int, render_mode: str | None, threads: int | None = None) -> None:
         if render_mode is not None:
             one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": 1.0 / self.episodes.task.interval}
+        self.task, self.episodes, self.render_mode = task, Episodes(task, n, threads=threads), render_mode
+        self.metadata = {**self.metadata, "render_fps": 1.0 / task.interval}
 
     def _picture(self, lane: int) -> np.ndarray | None:
         if self.render_mode is None:
@@ -95,14 +94,15 @@ class Shown:
         self._studio = self._studio or Studio.of(school.plant)
         return self._studio.picture(posture_of(school.plant, school.state(lane)))
 
-    def _close(self) -> None:
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let go of threads, and of what pictures were taken with; `kwargs`, of Gymnasium, mean nothing here."""
         self.episodes.school.close()
         if self._studio is not None:
             self._studio.close()
             self._studio = None
 
 
-class SwimmingEnv(Shown, gymnasium.Env):
+class SwimmingEnv(_Tasked, gymnasium.Env):
     """One robot at a task.
 
     Args:
@@ -117,9 +117,7 @@ class SwimmingEnv(Shown, gymnasium.Env):
     def __init__(
         self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
     ) -> None:
-        self.task = task_of(task, settings)
-        self.episodes = Episodes(self.task, 1)
-        self._begin_to_show(render_mode)
+        self._set_up(task_of(task, settings), 1, render_mode)
         self.observation_space, self.action_space = _spaces(self.task)
         self._has_begun = False
 
@@ -167,14 +165,14 @@ class SwimmingEnv(Shown, gymnasium.Env):
 
     def close(self) -> None:
         """Let go of what pictures were taken with."""
-        self._close()
+        self.close_extras()
 
     def _info(self, power: float) -> dict[str, Any]:
         motion = self.episodes.motion
         return {"x": motion.x.item(), "y": motion.y.item(), "heading": motion.heading.item(), "power": power}
 
 
-class SwimmingVectorEnv(Shown, VectorEnv):
+class SwimmingVectorEnv(_Tasked, VectorEnv):
     """Many robots at the same task, side by side in one process.
 
     Lane i is seeded with seed + i, as in Gymnasium's own vector environments, and does what a single environment with
@@ -205,9 +203,7 @@ class SwimmingVectorEnv(Shown, VectorEnv):
         mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
         self.autoreset_mode = AutoresetMode(one_of("autoreset_mode", mode, [each.value for each in AutoresetMode]))
         self.num_envs = whole("num_envs", num_envs, 1)
-        self.task = task_of(task, settings)
-        self.episodes = Episodes(self.task, self.num_envs, threads=threads)
-        self._begin_to_show(render_mode)
+        self._set_up(task_of(task, settings), self.num_envs, render_mode, threads)
         self.metadata["autoreset_mode"] = self.autoreset_mode
         self.single_observation_space, self.single_action_space = _spaces(self.task)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -282,10 +278,6 @@ class SwimmingVectorEnv(Shown, VectorEnv):
     def render(self) -> tuple[np.ndarray | None, ...]:
         """A picture of every robot, as for `SwimmingEnv`."""
         return tuple(self._picture(lane) for lane in range(self.num_envs))
-
-    def close_extras(self, **kwargs: Any) -> None:
-        """Let threads go; `kwargs`, which Gymnasium passes on, mean nothing here."""
-        self._close()
 
     def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:
         if which.any() or given:
