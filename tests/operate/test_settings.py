@@ -78,7 +78,7 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("following.max_offset_deg = -2", r"key `following.max_offset_deg`: must be > 0 deg, got -2"),
         ("following.max_offset_deg = 'x'", r"key `following.max_offset_deg`: must be a number in deg, got 'x'"),
         ("following.guidance = 'los'", r"key `following.guidance`: must be one of `line_of_sight`"),
-        ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must be at least two points"),
+        ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must hold at least 2 points"),
         ("limits.max_current = 0", r"key `limits.max_current`: must be > 0 A, got 0"),
         ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
         (

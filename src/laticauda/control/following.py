@@ -59,9 +59,7 @@ class Following(Course):
     max_climb_offset: float = quantity("rad", "largest of them to either side", gt=0.0, default=math.radians(10.0))
 
     def __post_init__(self) -> None:
-        """Check the waypoints, and the laws' own numbers by the laws."""
-        if self.waypoints is not None and len(self.waypoints) < 2:
-            raise BadArgument("waypoints", f"must be at least two points [x, y] in m, got {self.waypoints!r}")
+        """Check the waypoints by the path, and the laws' own numbers by the laws."""
         if self.circle is not None and self.waypoints is not None:
             raise BadArgument("circle", f"must not be given with `waypoints`, got {self.circle}")
         self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))

@@ -154,9 +154,7 @@ def attach(
         ValueError: If the model or an argument cannot be worked with; the message says why.
         MissingExtra: If MuJoCo is not installed.
     """
-    model = getattr(model, "ptr", model)
-    if not isinstance(model, load_mujoco().MjModel):
-        raise BadArgument("model", f"must be a mujoco.MjModel, got {type(model).__name__}")
+    instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
     positive("usual_speed", usual_speed, "m/s")
     fitted = elements is None
     make_room(model)
