@@ -85,10 +85,8 @@ class VirtualRobot:
         values = self.plant.init(start, Command(gait=STILL)).values.copy()
         values[0] = time
         self._state = PlantState(values=values)
-        off = Command(gait=STILL, references=(0.0,) * len(self.driven), enabled=(False,) * len(self.driven))
-        _, log, failure = self.plant.march(self._state, off, 1e-6, 1e-6)
-        self._check(failure)
-        log = log.at(slice(1))
+        n = len(self.driven)
+        log = self._marched([0.0] * n, [False] * n, 1e-6)[1].at(slice(1))
         self._log = [log]
         self.truth = self._truth(log)
 
@@ -103,15 +101,19 @@ class VirtualRobot:
         Raises:
             SimulationFailed: If the body's motion diverges.
         """
-        held: Sequence[float] = references[self.driven].tolist()
-        enabled: Sequence[bool] = on[self.driven].tolist()
-        command = Command(gait=STILL, references=tuple(held), enabled=tuple(enabled))
-        self._state, log, failure = self.plant.march(self._state, command, dt, dt)
-        self._check(failure)
+        self._state, log = self._marched(references[self.driven].tolist(), on[self.driven].tolist(), dt)
         self.truth = self._truth(log)
         if float(log.time[-1] - self._log[-1].time[-1]) >= SAMPLE_INTERVAL - 1e-9:
             self._log.append(log.at(slice(-1, None)))
             del self._log[MOST_SAMPLES:]
+
+    def _marched(self, references: Sequence[float], on: Sequence[bool], dt: float) -> tuple[PlantState, series.Log]:
+        """Where it is after `dt` [s], and what was logged."""
+        command = Command(gait=STILL, references=tuple(references), enabled=tuple(on))
+        state, log, failure = self.plant.march(self._state, command, dt, dt)
+        if failure is not None:
+            raise SimulationFailed(failure)
+        return state, log
 
     def trial(self, version: str) -> Trial:
         """What was so since the robot was put into the water, whatever anyone measured; an hour at most.
@@ -155,8 +157,3 @@ class VirtualRobot:
         full = np.zeros(len(self.robot.driven_joints))
         full[self.driven] = np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]
         return full
-
-    @staticmethod
-    def _check(failure: str | None) -> None:
-        if failure is not None:
-            raise SimulationFailed(failure)
