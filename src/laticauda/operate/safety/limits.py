@@ -14,6 +14,7 @@ from laticauda.operate.settings import Limits
 from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 
 Numbers = Float[np.ndarray, " n_joints"]
+MEASURED = ("angle", "rate", "current", "torque")  # by a module, of its joint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,16 +78,8 @@ def no_reports(n: int) -> Modules:
     Args:
         n: How many modules there are.
     """
-    unknown = np.full(n, np.nan)
-    return Modules(
-        angle=unknown,
-        rate=unknown,
-        current=unknown,
-        torque=unknown,
-        angle_time=np.full(n, -math.inf),
-        heartbeat=(None,) * n,
-        heartbeat_time=np.full(n, -math.inf),
-    )
+    unknown, never = dict.fromkeys(MEASURED, np.full(n, np.nan)), np.full(n, -math.inf)
+    return Modules(**unknown, angle_time=never, heartbeat=(None,) * n, heartbeat_time=never)
 
 
 def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> Modules:
@@ -97,13 +90,13 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
         messages: When each came [s], and what; those of nodes that the robot does not have are ignored.
     """
     n = modules.n
-    values = {name: getattr(modules, name).copy() for name in ("angle", "rate", "current", "torque", "angle_time")}
+    values = {name: getattr(modules, name).copy() for name in (*MEASURED, "angle_time")}
     beats, beat_times = list(modules.heartbeat), modules.heartbeat_time.copy()
     for time, message in messages:
         if isinstance(message, JointState) and message.node <= n:
             k = message.node - 1
-            values["angle"][k], values["rate"][k] = message.angle, message.rate
-            values["current"][k], values["torque"][k] = message.current, message.torque
+            for name in MEASURED:
+                values[name][k] = getattr(message, name)
             values["angle_time"][k] = time
         elif isinstance(message, Heartbeat) and message.node <= n:
             beats[message.node - 1] = message
@@ -220,12 +213,11 @@ def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitS
 def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
     """What the heartbeats say, and those that stay away."""
     found: dict[str, str] = {}
-    silent = modules.silent(now, limits.heartbeat_timeout)
-    if silent:
-        found["lost_heartbeat"] = f"module {_listed(silent)}"
-    old = tuple(int(k) + 1 for k in np.flatnonzero(now - modules.angle_time > limits.joint_timeout))
-    if old:
-        found["lost_joints"] = f"module {_listed(old)}"
+    late = {
+        "lost_heartbeat": modules.silent(now, limits.heartbeat_timeout),
+        "lost_joints": np.flatnonzero(now - modules.angle_time > limits.joint_timeout) + 1,
+    }
+    found |= {event: f"module {', '.join(map(str, nodes))}" for event, nodes in late.items() if len(nodes)}
     for node, beat in enumerate(modules.heartbeat, start=1):
         if beat is None:
             continue
@@ -260,7 +252,3 @@ def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str,
             if beat is not None and not beat.state.is_on:
                 found.setdefault("module_fault", f"module {node} does not move: {beat.state.name.lower()}")
     return found
-
-
-def _listed(nodes: tuple[int, ...]) -> str:
-    return ", ".join(map(str, nodes))
