@@ -31,11 +31,8 @@ class PathFrame(NamedTuple):
     @property
     def signals(self) -> dict[str, float]:
         """What logs have of it."""
-        return {
-            "cross_track_error": float(self.cross_track_error),
-            "along_track_distance": float(self.along_track_distance),
-            "path_tangential_angle": float(self.path_tangential_angle),
-        }
+        names = "cross_track_error", "along_track_distance", "path_tangential_angle"
+        return {name: float(getattr(self, name)) for name in names}
 
 
 class Path(Extensible, Generic[State], group="paths"):
