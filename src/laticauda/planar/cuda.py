@@ -70,20 +70,9 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
     # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
     laws = np.concatenate((law, law >= rows.FIRST_FREE))
-    march[math.ceil(len(runs) / _THREADS), _THREADS](
-        S,
-        n,
-        cuda.to_device(first_strip),
-        cuda.to_device(first_plate),
-        cuda.to_device(laws),
-        tail_link,
-        has_extras,
-        plant.is_implicit,
-        n_intervals * every,
-        dt,
-        every,
-        log,
-    )
+    tables = (cuda.to_device(table) for table in (first_strip, first_plate, laws))
+    shape = n, *tables, tail_link, has_extras
+    march[math.ceil(len(runs) / _THREADS), _THREADS](S, *shape, plant.is_implicit, n_intervals * every, dt, every, log)
     end, path = S.copy_to_host(), log.copy_to_host()
     n_samples = end[rows.SAMPLES].astype(int)
     path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
