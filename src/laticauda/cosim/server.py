@@ -4,6 +4,7 @@ import socket
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 
 from laticauda.access import Door
 from laticauda.cosim.budget import Budget
@@ -156,10 +157,8 @@ class Server:
         if not line.startswith(b"{"):  # a web page, say, that speaks HTTP
             return "A message must be a JSON object; this one is not."
         if not is_known:
-            try:
+            with suppress(ValueError):
                 is_known = self.door.admits(read_message(line).get("token"))
-            except ValueError:
-                pass
         return "" if is_known else "The first message must hold the `token` that the server printed."
 
 
@@ -175,8 +174,6 @@ def _dismiss(wire: socket.socket, why: str) -> None:
 
 def _shut(wire: socket.socket) -> None:
     """Close a socket that another thread may be waiting on."""
-    try:
+    with suppress(OSError):  # the other end has done so
         wire.shutdown(socket.SHUT_RDWR)
-    except OSError:
-        pass  # the other end has done so
     wire.close()
