@@ -10,7 +10,6 @@ from laticauda.access import Door
 from laticauda.cockpit import board, controls, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
-from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
@@ -35,7 +34,7 @@ class Cockpit:
         self.door = Door.of(host)
         """Whom it answers."""
         self._server = pages.serve(self.door, port)
-        self._events = EventQueue()
+        self._events = pages.EventQueue()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -160,8 +159,8 @@ class Cockpit:
         self._controls.show(self.live.scenario)
         self._changed()
 
-    @refusing
-    def _drag(self, event: Event) -> None:
+    @pages.refusing
+    def _drag(self, event: pages.Event) -> None:
         """The path goes where its gizmo is dragged to."""
         if simulation.path_of(self.live.scenario) is None:
             return

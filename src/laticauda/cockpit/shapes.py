@@ -10,7 +10,6 @@ from laticauda import interfaces, kinematics, series
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Robot
 from laticauda.spatial import appearance
-from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, plate, rods
 from laticauda.spatial.bodies import AXES, bodies
 
 Color = tuple[int, int, int]
@@ -20,7 +19,7 @@ class Shape(NamedTuple):
     """A surface in the frame of a part."""
 
     part: int
-    mesh: Mesh
+    mesh: appearance.Mesh
     color: Color
 
 
@@ -50,8 +49,8 @@ def shapes(robot: Robot) -> list[Shape]:
     fin = robot.caudal_fin
     for k, piece in enumerate(fin.pieces if fin is not None else ()):
         assert fin is not None
-        boxes = [*filter(None, [plate(fin, piece)]), *rods(fin, piece)]
-        found.append(Shape(robot.n_links + k, joined(*(_mesh(box) for box in boxes)), _color("fin")))
+        boxes = [*filter(None, [appearance.plate(fin, piece)]), *appearance.rods(fin, piece)]
+        found.append(Shape(robot.n_links + k, appearance.joined(*(_mesh(box) for box in boxes)), _color("fin")))
     return found
 
 
@@ -84,14 +83,14 @@ def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
 
 
 def _color(material: str) -> Color:
-    r, g, b, _ = MATERIALS[material][0]
+    r, g, b, _ = appearance.MATERIALS[material][0]
     return round(255 * r), round(255 * g), round(255 * b)
 
 
-def _mesh(box: Box) -> Mesh:
+def _mesh(box: appearance.Box) -> appearance.Mesh:
     """Every face has corners of its own, so that edges stay sharp."""
     corner = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     vertices = corner * box.half_size + box.position
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
-    return Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))
+    return appearance.Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))

@@ -11,7 +11,6 @@ from laticauda import control, series
 from laticauda.errors import instance
 from laticauda.robot.environment import Current
 from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
-from laticauda.simulate import plant
 from laticauda.trial.measured import MeasuredTrial, measured_setting
 
 TICK = 0.025  # time between two samples [s]
@@ -108,7 +107,7 @@ class Simulation:
         old, body, state = self.scenario, self.plant, self.state
         checked(scenario)
         if (scenario.robot, scenario.environment, scenario.model) != (old.robot, old.environment, old.model):
-            body = plant(scenario)
+            body = lc.plant(scenario)
             state = self._carried(body, scenario.gait)
         goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
         steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": self.ticks}
@@ -180,7 +179,7 @@ def begin(scenario: Scenario) -> Simulation:
     Raises:
         ValueError: If it does not go together, or a page cannot show it.
     """
-    body, start = plant(checked(scenario)), scenario.start
+    body, start = lc.plant(checked(scenario)), scenario.start
     instance("start", start, lc.Start)
     command = lc.Command(gait=scenario.gait)
     state = body.init(cast(lc.Start, start), command)

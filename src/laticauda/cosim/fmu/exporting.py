@@ -26,7 +26,6 @@ from laticauda.cosim.native.platforms import linked, object_codes, platforms_of,
 from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
 from laticauda.errors import BadArgument, one_of
-from laticauda.packaging import __version__
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "c"
@@ -86,7 +85,7 @@ def export_fmu(
         tables=tables,
         platforms=", ".join(one.pair for one in wanted),
         version=fmi,
-        imprint={"author": author, "version": model_version or __version__, "license": license},
+        imprint={"author": author, "version": model_version or lc.__version__, "license": license},
     )
     content = words.model_description() + tables_in_c(tables, "").encode() + b"".join(codes)
     content += b"".join(part.read_bytes() for part in sorted(FOLDER.iterdir()))
@@ -170,7 +169,7 @@ class Description:
                 **{name: text for name, text in imprint.items() if text},
             },
             description=f"{self.tables.words} Kernels of laticauda as machine code; needs no Python.",
-            generationTool=f"laticauda {__version__}",
+            generationTool=f"laticauda {lc.__version__}",
             variableNamingConvention="structured",
         )
         state = "FMUstate" if is_old else "FMUState"
@@ -204,7 +203,7 @@ class Description:
         return Template((HERE / "page.html").read_text(encoding="utf-8")).substitute(
             title=escape(self.identifier),
             robot=escape(self.tables.words),
-            version=escape(__version__),
+            version=escape(lc.__version__),
             fmi=self.version,
             platforms=escape(self.platforms),
             facts=facts,

@@ -22,7 +22,6 @@ from laticauda.fluid.flow import Flow
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, scenario
-from laticauda.simulate import plant
 from laticauda.simulate.numbers import changed, look_up, parameters
 
 Numbers = Float[np.ndarray, " n"]
@@ -180,7 +179,7 @@ class Swimming(ABC):
     @cached_property
     def plant(self) -> lc.Plant[Any]:
         """What swims."""
-        return plant(self.scenario)
+        return lc.plant(self.scenario)
 
     @property
     @abstractmethod

@@ -22,7 +22,6 @@ from laticauda.control.guidance import ROUNDING
 from laticauda.cosim.native import entry, platforms
 from laticauda.cosim.native.tables import Variable, tables_of
 from laticauda.cosim.web import steering
-from laticauda.files import read_toml
 from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
@@ -32,7 +31,7 @@ ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page has if nobody says which."""
 MOTION = rows.ANGLE, rows.RATE
 
-LIMITS: Mapping[str, Mapping[str, Any]] = read_toml(Path(__file__).with_name("limits.toml"))
+LIMITS: Mapping[str, Mapping[str, Any]] = files.read_toml(Path(__file__).with_name("limits.toml"))
 """What sliders go through, by group."""
 WATER = LIMITS["water"]
 WORKS = {"mechanical_work": "work_absolute", "net_work": "work_net", "positive_work": "work_positive"}
