@@ -64,7 +64,7 @@ class Cockpit:
         self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
         self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
-        self._forces.on_update(self._show_forces)
+        self._forces.on_update(lambda event: setattr(live, "link_forces", event.target.value))
         self._changed()
         self._cameras = pages.PageCameras(self._server)  # what a page has for itself stands below the rest
 
@@ -176,9 +176,6 @@ class Cockpit:
         self.live.reset()
         self._runs.begin()
         self._new_trail = True
-
-    def _show_forces(self, event: Any) -> None:
-        self.live.link_forces = event.target.value
 
 
 def _pose(event: Any) -> tuple[Any, ...]:

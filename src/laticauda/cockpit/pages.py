@@ -80,11 +80,10 @@ def _limit_uploads(server: Any) -> None:
     """Throw away what pages send beyond a bound: viser keeps all of it until it is whole, and says that it has come."""
     messages, sent = import_module("viser._messages"), server.gui._current_file_upload_states
 
-    def is_told(message: Any) -> bool:
-        return isinstance(message, messages.FileTransferPartAck)
-
     def begun(page: int, message: Any) -> None:
-        server._websock_server.get_message_buffer().remove_from_buffer(is_told)
+        server._websock_server.get_message_buffer().remove_from_buffer(
+            lambda one: isinstance(one, messages.FileTransferPartAck)
+        )
         if message.size_bytes > MOST_UPLOADED or len(sent) > MOST_UPLOADS:
             sent.pop(message.transfer_uuid, None)
             refused = f"A file must have {MOST_UPLOADED >> 20} MiB or less, and come when few others do."

@@ -147,7 +147,8 @@ def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
     how, estimate = operation.calibration, state.estimate
     if state.supervisor.state == "idle":  # not yet granted: something speaks against it, but not forever
         if _gone(state, now) > GRANT_TIME:
-            return _given_up(state, now, "The robot may not move: " + _why(state))
+            why = ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
+            return _given_up(state, now, f"The robot may not move: {why}")
         return state, ()
     if _gone(state, now) > how.patience:
         return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
@@ -190,10 +191,6 @@ def _off_place(operation: Operation, place: tuple[float, float, float]) -> str:
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
-
-
-def _why(state: OperatorState) -> str:
-    return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
 
 
 _PHASES = _connecting, _checking, _calibrating, _idle_current, _settling

@@ -71,11 +71,7 @@ class MocapDriver(MotionCapture):
     async def _connected(self) -> None:
         host, port = host_and_port(self._address)
         gone = asyncio.Event()
-
-        def left(_: object) -> None:
-            gone.set()
-
-        asked = self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME)
+        asked = self._qtm.connect(host, port, on_disconnect=lambda _: gone.set(), timeout=CONNECT_TIME)
         link: Any = await asyncio.wait_for(asked, CONNECT_TIME)
         if link is None:
             raise DeviceFailed(
@@ -87,7 +83,8 @@ class MocapDriver(MotionCapture):
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
             stream = link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._on_packet)
             begun = asyncio.ensure_future(stream)
-            begun.add_done_callback(_ignore_result)
+            # Nobody waits for its answer: frames that come, or do not, say the same.
+            begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
             self._trouble = ""
             self._ready.set()
             while not (self._ended.is_set() or gone.is_set()):
@@ -122,9 +119,3 @@ class MocapDriver(MotionCapture):
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
         self._found.append((arrival, pose_sample(stamp, pose)))
-
-
-def _ignore_result(begun: "asyncio.Future[Any]") -> None:
-    """Nobody waits for this answer: frames that come, or do not, say the same."""
-    if not begun.cancelled():
-        begun.exception()
