@@ -9,7 +9,6 @@ A schedule is a list of tables ``[[faults]]``, each with the fields of `Fault`:
 """
 
 import math
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from laticauda import codec, files, protocol
 from laticauda.errors import BadArgument, LaticaudaError, one_of
 from laticauda.quantities import option, quantity, value
 
-_KINDS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
+_KINDS = files.read_toml(Path(__file__).with_suffix(".toml"))
 KINDS: dict[str, str] = {kind: one["says"] for kind, one in _KINDS.items()}
 ON_NODES = tuple(kind for kind, one in _KINDS.items() if one.get("at_a_module"))
 

@@ -9,7 +9,6 @@ import io
 import math
 import os
 import time
-import tomllib
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -127,7 +126,7 @@ def _zipped(content: dict[str, bytes]) -> bytes:
 
 # ---- what an FMU says about itself ----------------------------------------------------------------------------------
 
-_TOLD: Any = tomllib.loads((HERE / "units.toml").read_text(encoding="utf-8"))
+_TOLD: Any = files.read_toml(HERE / "units.toml")
 UNITS: Mapping[str, Sequence[int]] = _TOLD["units"]
 """Exponents of kg, m, s and rad."""
 DEGREES: Mapping[str, str] = _TOLD["degrees"]

@@ -87,24 +87,19 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
 
 def _sliders() -> list[dict[str, Any]]:
     """All of them, in their order on the page: group, kernels' variable ("" of path following), flag, words, limits."""
-    water = lc.load_water("paper-lateral")
-    owners = {"gait": FIRST_GAIT, "fin": robot.CaudalFin(**ELASTIC), "water": water, "path": control.Following()}
-    return [
-        _slider(group, owners[group], field, limits, "" if group == "path" else f"{group}.{field}")
-        if group != "current"
-        else _slider(group, water, group, limits, f"{group}.{field}", f" {field}")
-        for group, fields in LIMITS.items()
-        for field, limits in fields.items()
-    ]
+    of_water = dict.fromkeys(("water", "current"), lc.load_water("paper-lateral"))
+    owners = {"gait": FIRST_GAIT, "fin": robot.CaudalFin(**ELASTIC), **of_water, "path": control.Following()}
+    return [_slider(group, owners[group], *one) for group, limited in LIMITS.items() for one in limited.items()]
 
 
-def _slider(group: str, owner: object, field: str, limits: Any, variable: str, axis: str = "") -> dict[str, Any]:
-    """One of them; the owner has what it shows if nobody moves it."""
+def _slider(group: str, owner: object, name: str, limits: Any) -> dict[str, Any]:
+    """One of them, `name` in its group; the owner has what it shows if nobody moves it."""
+    field, axis = (group, f" {name}") if group == "current" else (name, "")
     unit, now = quantities_of(type(owner))[field].unit, getattr(owner, field)
     return {
         "group": group,
         "field": field,
-        "variable": variable,
+        "variable": "" if group == "path" else f"{group}.{name}",
         "flag": (field + DEGREES.get(unit, "") + axis).replace("_", "-").replace(" ", "-"),
         "label": field.replace("_", " ") + axis,
         "unit": unit.replace("rad", "°").replace("^2", "²"),
