@@ -160,14 +160,14 @@ def _stored(operation: Operation, number: int, folder: Path) -> Result:
             trial.save(path)
     except TrialFileError as error:
         return Result(name=path.stem, accepted=False, reason=str(error), trial=None)
-    idle, voltage = (trial.settings.get(name) for name in ("idle_current", "supply_voltage"))
+    noted = {name: trial.settings.get(name) for name in ("idle_current", "supply_voltage")}
+    electric: dict[str, Any] = {name: float(one) for name, one in noted.items() if isinstance(one, float | int)}
     return Result(
         name=path.stem,
         accepted=trial.succeeded,
         reason="Taken from its file." if trial.succeeded else trial.status,
         trial=trial,
-        idle_current=float(idle) if isinstance(idle, float | int) else None,
-        supply_voltage=float(voltage) if isinstance(voltage, float | int) else None,
+        **electric,
     )
 
 

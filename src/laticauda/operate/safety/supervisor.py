@@ -17,20 +17,19 @@ The last line of defense is in the modules: without references they hold after `
 `LIMP_AFTER`. So to stop sending references is a way to stop that needs no bus, and every time stated here rests on it.
 """
 
-import csv
 from collections.abc import Set
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
 from laticauda.errors import nearest
+from laticauda.files import read_rows
 from laticauda.quantities import quantity, value
 
 
 def _table(name: str) -> list[dict[str, str]]:
     """The rows of one of the two tables beside this file; they are read with it."""
-    with Path(__file__).with_name(f"{name}.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
+    return [row for _, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]]
 
 
 # ---- what leads where -----------------------------------------------------------------------------------------------
