@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda.errors import StorageFailed, TrialFileError
+from laticauda.errors import StorageFailed
 from laticauda.kinematics import Posture
 from laticauda.logs.recorder import Recorder
 from laticauda.logs.recording import Logged, open_recording
@@ -56,9 +56,9 @@ class McapFile(Format):
         """The trial in an MCAP file; see `Format.read`."""
         recording = open_recording(path)
         if METADATA not in recording.metadata:
-            raise TrialFileError(f"Cannot load {path}: it is a recording, but no trial of laticauda.")
+            raise ValueError("it is a recording, but no trial of laticauda.")
         if recording.lost:
-            raise TrialFileError(f"Cannot load {path}: {recording.lost}")
+            raise ValueError(recording.lost)
         found: dict[str, list[Any]] = {}
         for message in recording.messages():
             for name, values in _series(message):

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import TrialFileError, nearest, optional_import
+from laticauda.errors import nearest, optional_import
 from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
@@ -229,7 +229,7 @@ def read_c3d(path: Path) -> Table:
 
     Raises:
         MissingExtra: If ezc3d is not installed.
-        TrialFileError: If it is no C3D file, or is damaged.
+        ValueError: If it is no C3D file, or is damaged.
         OSError: If it cannot be read.
     """
     library = optional_import("Reading C3D", "ezc3d", "logs")
@@ -243,7 +243,7 @@ def read_c3d(path: Path) -> Table:
     except FileNotFoundError:
         raise
     except (RuntimeError, ValueError, KeyError, IndexError, MemoryError, OSError) as error:
-        raise TrialFileError(f"Cannot load {path}: it is no whole C3D file ({error}).") from error
+        raise ValueError(f"it is no whole C3D file ({error}).") from error
 
 
 def _check_whole(path: Path) -> int:

@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import files, trial
-from laticauda.errors import TrialFileError, optional_import
+from laticauda.errors import optional_import
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import AXES, MARK, assembled, variable
 
@@ -67,8 +67,7 @@ class ParquetFile(trial.Format):
         table = _table(path)
         text = (table.schema.metadata or {}).get(KEY)
         if text is None:
-            message = "it is a table, but no trial of laticauda; say what its columns are"
-            raise TrialFileError(f"Cannot load {path}: {message}.")
+            raise ValueError("it is a table, but no trial of laticauda; say what its columns are.")
         found = _numbers(table)
         return assembled(lambda name: series(found, name), json.loads(text))
 
@@ -81,7 +80,7 @@ def parquet_columns(path: Path) -> dict[str, Samples]:
 
     Raises:
         MissingExtra: If pyarrow is not installed.
-        TrialFileError: If it is no Parquet file.
+        ValueError: If it is no Parquet file.
         OSError: If it cannot be read.
     """
     return _numbers(_table(path))
@@ -103,7 +102,7 @@ def _table(path: Path) -> Any:
     try:
         return pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     except (pyarrow.ArrowException, OSError) as error:
-        raise TrialFileError(f"Cannot load {path}: it is no Parquet file, or it is damaged.") from error
+        raise ValueError("it is no Parquet file, or it is damaged.") from error
 
 
 def _pyarrow() -> Any:
@@ -195,9 +194,9 @@ class NetCdfFile(trial.Format):
         try:
             found = _decoded(_unsealed(content))
         except (OSError, RuntimeError, AttributeError) as error:  # what netCDF raises at bytes that make no sense
-            raise TrialFileError(f"Cannot load {path}: it is no netCDF file, or it is damaged.") from error
+            raise ValueError("it is no netCDF file, or it is damaged.") from error
         if MARK not in found.attrs:
-            raise TrialFileError(f"Cannot load {path}: it is a netCDF file, but no trial of laticauda.")
+            raise ValueError("it is a netCDF file, but no trial of laticauda.")
         return found
 
 
@@ -252,7 +251,7 @@ class MatFile(trial.Format):
         """The trial in a .mat file; see `Format.read`."""
         content = _content(path)
         if TEXT not in content:
-            raise TrialFileError(f"Cannot load {path}: it is no trial of laticauda; say what its columns are.")
+            raise ValueError("it is no trial of laticauda; say what its columns are.")
 
         def read(name: str) -> Any:
             values = content[name]
@@ -270,7 +269,7 @@ def mat_columns(path: Path) -> dict[str, Samples]:
 
     Raises:
         MissingExtra: If scipy is not installed.
-        TrialFileError: If it is no .mat file.
+        ValueError: If it is no .mat file.
         OSError: If it cannot be read.
     """
     found: dict[str, Samples] = {}
@@ -290,10 +289,9 @@ def _content(path: Path) -> dict[str, Any]:
     try:
         return library.loadmat(io.BytesIO(content))
     except NotImplementedError as error:
-        message = "it is a .mat file of version 7.3; save it with `-v7` instead"
-        raise TrialFileError(f"Cannot load {path}: {message}.") from error
+        raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.") from error
     except Exception as error:  # scipy raises anything at bytes that make no sense
-        raise TrialFileError(f"Cannot load {path}: it is no .mat file, or it is damaged.") from error
+        raise ValueError("it is no .mat file, or it is damaged.") from error
 
 
 def _scipy() -> Any:
