@@ -10,6 +10,7 @@ from laticauda.access import Door
 from laticauda.cockpit import board, controls, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
+from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
@@ -34,7 +35,7 @@ class Cockpit:
         self.door = Door.of(host)
         """Whom it answers."""
         self._server = pages.serve(self.door, port)
-        self._events = pages.EventQueue()
+        self._events = EventQueue()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -64,7 +65,7 @@ class Cockpit:
         self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
         self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
-        self._forces.on_update(lambda event: setattr(live, "link_forces", event.target.value))
+        self._forces.on_update(self._events.handler(lambda event: setattr(live, "link_forces", event.value)))
         self._changed()
         self._cameras = pages.PageCameras(self._server)  # what a page has for itself stands below the rest
 
@@ -159,8 +160,8 @@ class Cockpit:
         self._controls.show(self.live.scenario)
         self._changed()
 
-    @pages.refusing
-    def _drag(self, event: pages.Event) -> None:
+    @refusing
+    def _drag(self, event: Event) -> None:
         """The path goes where its gizmo is dragged to."""
         if simulation.path_of(self.live.scenario) is None:
             return

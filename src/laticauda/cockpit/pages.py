@@ -5,6 +5,7 @@ comes in between two lines would mix where the camera was with where it is, and 
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownLambdaType=false
 
 import asyncio
 import contextlib

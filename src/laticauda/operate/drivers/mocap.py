@@ -2,6 +2,7 @@
 
 # qtm_rt has no types: this module hands typed frames on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownLambdaType=false
 
 import asyncio
 import logging
