@@ -129,24 +129,18 @@ def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return parts[..., 0, :], parts[..., 1, :]
 
 
+def _is_row(rows, index):
+    return isinstance(rows, Rows) and isinstance(index, types.Integer)
+
+
 @type_callable(operator.getitem)
 def _type_getitem(context):
-    def typer(rows, index):
-        if isinstance(rows, Rows) and isinstance(index, types.Integer):
-            return rows.item
-        return None
-
-    return typer
+    return lambda rows, index: rows.item if _is_row(rows, index) else None
 
 
 @type_callable(operator.setitem)
 def _type_setitem(context):
-    def typer(rows, index, value):
-        if isinstance(rows, Rows) and isinstance(index, types.Integer):
-            return types.none
-        return None
-
-    return typer
+    return lambda rows, index, value: types.none if _is_row(rows, index) else None
 
 
 def _address(context, builder, sig, args):

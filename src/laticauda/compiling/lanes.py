@@ -62,17 +62,13 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
     `dual(builder, emit, *parts)` does the same for duals; without it the function looks at the real parts only.
     """
 
-    def typer_1(a):
-        kind = _lanes_among((a,))
-        return kind and result(kind)
-
-    def typer_2(a, b):
-        kind = _lanes_among((a, b))
+    def typed(*args):
+        kind = _lanes_among(args)
         return kind and result(kind)
 
     @type_callable(function)
     def typing(context):
-        return typer_1 if arity == 1 else typer_2
+        return (lambda a: typed(a)) if arity == 1 else (lambda a, b: typed(a, b))
 
     def lower(context, builder, sig, args):
         kind = _lanes_among(sig.args)
@@ -111,9 +107,8 @@ def _binary(name):
 
 
 def _comparison(sign):
-    if sign == "!=":
-        return lambda builder, kind, a, b: builder.fcmp_unordered(sign, a, b)
-    return lambda builder, kind, a, b: builder.fcmp_ordered(sign, a, b)
+    compare = "fcmp_unordered" if sign == "!=" else "fcmp_ordered"
+    return lambda builder, kind, a, b: getattr(builder, compare)(sign, a, b)
 
 
 def _picked(sign):
@@ -164,10 +159,7 @@ for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operat
 
     @type_callable(_operator)
     def _type_logic(context):
-        def typer(a, b):
-            return a if isinstance(a, Mask) and a == b else None
-
-        return typer
+        return lambda a, b: a if isinstance(a, Mask) and a == b else None
 
     lower_builtin(_operator, Mask, Mask)(lambda context, builder, sig, args, name=_name: getattr(builder, name)(*args))
 
@@ -207,15 +199,11 @@ def magnitude(typingctx, x):
     """|x|; the sign of its real part decides about a complex number, whose imaginary part carries a derivative."""
 
     def codegen(context, builder, sig, args):
-        if isinstance(x, Duals):
-            parts = parted(context, builder, x, x, args[0])
-            return joined(context, builder, x, duals.magnitude(builder, None, parts))
-        if not isinstance(x, types.Complex):
+        if not isinstance(x, types.Complex | Duals):
             return _elementwise("fabs")(builder, x, args[0])
-        number, out = context.make_complex(builder, x, value=args[0]), context.make_complex(builder, x)
-        negative = builder.fcmp_ordered("<", number.real, ir.Constant(number.real.type, 0.0))
-        out.real = builder.select(negative, builder.fneg(number.real), number.real)
-        out.imag = builder.select(negative, builder.fneg(number.imag), number.imag)
+        pair = cgutils.create_struct_proxy(x)
+        number, out = pair(context, builder, value=args[0]), pair(context, builder)
+        out.real, out.imag = duals.magnitude(builder, None, (number.real, number.imag))
         return out._getvalue()
 
     return x(x), codegen

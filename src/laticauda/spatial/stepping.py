@@ -61,15 +61,6 @@ def put_on_reference(N, qpos, qvel, J, R, hold):
 
 
 @kernel
-def any_prescribed(J):
-    """Whether the angle of any joint is given."""
-    for i in range(J.shape[0]):
-        if J[i, LAW] == PRESCRIBED:
-            return True
-    return False
-
-
-@kernel
 def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
     """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
@@ -101,8 +92,7 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
 @kernel
 def move(N, qpos, start, velocity, dt):
     """qpos = start moved with a velocity for dt."""
-    for i in range(N[N_QPOS]):
-        qpos[i] = start[i]
+    copy(start, qpos)
     integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
 
 
@@ -147,8 +137,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
     N = W[0][0]
     q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
     n = N[N_QVEL]
-    for i in range(N[N_QPOS]):
-        q0[i] = qpos[i]
+    copy(qpos, q0)
     for i in range(n):
         v0[i] = qvel[i]
         sum_v[i], sum_a[i] = 0.0, 0.0
@@ -178,8 +167,7 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
     N = W[0][0]
     q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
     n, gamma_dt = N[N_QVEL], GAMMA * dt
-    for i in range(N[N_QPOS]):
-        q0[i] = qpos[i]
+    copy(qpos, q0)
     for i in range(n):
         v0[i], first[i] = qvel[i], qacc[i]
         slope[i] = qvel[i] + gamma_dt * qacc[i]
@@ -198,22 +186,15 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
         total[i] = W_1 * slope[i] + W_2 * second_slope
         v0[i] += dt * (W_1 * first[i] + W_2 * second)
     move(N, qpos, q0, total, dt)
-    for i in range(n):
-        qvel[i] = v0[i]
+    copy(v0, qvel)
     put_all(W, qpos, qvel, hold, 0.0)
 
 
 @kernel
-def all_finite(N, qpos, qvel, U):
-    """Whether positions, rates and torques are still numbers that a swimming robot can have."""
-    for i in range(N[N_QPOS]):
-        if not abs(qpos[i]) < FARTHEST:
-            return False
-    for i in range(N[N_QVEL]):
-        if not abs(qvel[i]) < FARTHEST:
-            return False
-    for i in range(U.size):
-        if not abs(U[i]) < STRONGEST:
+def are_within(values, most):
+    """Whether all are still numbers that a swimming robot can have."""
+    for i in range(len(values)):
+        if not abs(values[i]) < most:
             return False
     return True
 
@@ -256,8 +237,7 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     n, bodies = N[N_LINKS], N[N_BODIES]
     com, cvel = field(N[DATA], N[AT.subtree_com], 3 * bodies), field(N[DATA], N[AT.cvel], 6 * bodies)
     xipos, xmat = field(N[DATA], N[AT.xipos], 3 * bodies), field(N[DATA], N[AT.xmat], 9 * bodies)
-    for k in range(STATE_ROWS):
-        sample[k] = X[k]
+    copy(X, sample[:STATE_ROWS])
     o, c = STATE_ROWS, 3 * order[0]
     total = 0.0
     for k in range(3):
@@ -319,7 +299,7 @@ def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
     if n[HAS_SCENE] != 0 and led:
         sum_contacts(n, order, forces)
     write_sample(n, y, J, R, U, mass, order, qpos[q:], qvel[v:], links, forces, sample)
-    return all_finite(n, qpos, qvel, U)
+    return are_within(qpos, FARTHEST) and are_within(qvel, FARTHEST) and are_within(U, STRONGEST)
 
 
 @entry
@@ -345,7 +325,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
         _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
         set_reference(X, C_r, J_r, R)
         numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
-    two_ways = implicit and any_prescribed(J)
+    two_ways = implicit and np.any(J[:, LAW] == PRESCRIBED)
     if led:
         put_all(W, qpos, qvel, hold, 0.0)
     written = 0
