@@ -112,10 +112,8 @@ def sense(model, data, table):
     sensors, root = integers(T[SENSORS], 4 * T[N_SENSORS]), integers(T[ROOT], n)
     for i in range(T[N_SENSORS]):
         at, site, body = sensors[4 * i], sensors[4 * i + 1], sensors[4 * i + 2]
-        place, R = (
-            three(field(data, T[AT.site_xpos], 3 * site + 3), 3 * site),
-            field(data, T[AT.site_xmat], 9 * site + 9),
-        )
+        place = three(field(data, T[AT.site_xpos], 3 * site + 3), 3 * site)
+        R = field(data, T[AT.site_xmat], 9 * site + 9)
         force = plus(three(inner, 6 * body + 3), scaled(-1.0, three(S, 6 * (n + body) + 3)))
         found = force
         if sensors[4 * i + 3] == 0:

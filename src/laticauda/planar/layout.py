@@ -275,9 +275,8 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
         _add_thruster(records[thruster.link], robot, thruster.link, thruster)
     half_density = 0.5 * environment.density if isinstance(environment, robots.Water) else 0.0
     plates = sorted(robot.pectoral_fins, key=lambda plate: plate.link)
-    for record, plate in zip(
-        S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS), plates, strict=True
-    ):
+    of_plates = S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS)
+    for record, plate in zip(of_plates, plates, strict=True):
         record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
 
 

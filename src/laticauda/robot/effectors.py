@@ -15,6 +15,7 @@ rule of weight (1 - s)^4: exact for (1 - s)^4 times any polynomial up to degree 
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -117,10 +118,9 @@ class CaudalFin:
     @property
     def hinges(self) -> tuple[Hinge, ...]:
         """The passive hinges, from the root to the trailing edge; none for a rigid fin."""
-        if not self.n_hinges:
-            return ()
         rigidity = self.flexural_rigidity
-        assert rigidity is not None
+        if not self.n_hinges or rigidity is None:
+            return ()
         return tuple(
             Hinge(
                 position=place * self.length,
@@ -134,13 +134,10 @@ class CaudalFin:
     @property
     def pieces(self) -> tuple[Piece, ...]:
         """The rigid pieces between its hinges, from the root to the trailing edge; one for a rigid fin."""
-        hinges = (None, *self.hinges)
-        edges = [0.0, *(hinge.position for hinge in self.hinges), self.length]
+        edges = pairwise((0.0, *(hinge.position for hinge in self.hinges), self.length))
         return tuple(
-            Piece(
-                begin=edges[i], end=edges[i + 1], mass=self.mass * (edges[i + 1] - edges[i]) / self.length, hinge=hinge
-            )
-            for i, hinge in enumerate(hinges)
+            Piece(begin=begin, end=end, mass=self.mass * (end - begin) / self.length, hinge=hinge)
+            for (begin, end), hinge in zip(edges, (None, *self.hinges), strict=True)
         )
 
     @property

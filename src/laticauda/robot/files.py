@@ -108,8 +108,11 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
         folder: Where relative paths start; None for the working directory.
 
     Raises:
+        ValueError: If it is neither.
         RobotNotFound: If there is none; the message lists the presets and suggests the nearest.
     """
+    if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
     names = preset_names(kind)
     given = str(name_or_path)
     ending = ".csv" if kind == "motion" else ".toml"
@@ -292,8 +295,6 @@ def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> g
     return gaits.JointAngles.read(find(name_or_path, "motion", folder))
 
 
-def _load(name_or_path: object, kind: str) -> Any:
-    if not isinstance(name_or_path, str | Path):
-        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
+def _load(name_or_path: str | Path, kind: str) -> Any:
     kind_of: type[Any] = KINDS.get(kind, Flow)
     return from_toml(find(name_or_path, kind), kind_of)

@@ -229,8 +229,6 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
         >>> load_parameters("paper").water("eel_like").tangential_friction
         0.17
     """
-    if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
     path = find(name_or_path, "parameter")
     with codec.keys_of(path, RobotFileError):
         return _parameters(read_table(path))

@@ -231,7 +231,6 @@ def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
         robot,
         environment,
         root=setup.root or "free",
-        actuators="none",
         sensors=False,
         visuals=False,
         scene=setup.scene,

@@ -65,10 +65,8 @@ def tables_for(
     """The arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
     one_of("inputs", inputs, INPUTS)
     chosen = robot if isinstance(robot, lc.Scenario) else lc.scenario(robot, cast(lc.Gait, gait), **changes)
-    instance("environment", chosen.environment, lc.Water)
-    instance("model", chosen.model, lc.Planar)
-    instance("motion", chosen.motion, lc.Gait)
-    instance("start", chosen.start, lc.Start)
+    for name, kind in {"environment": lc.Water, "model": lc.Planar, "motion": lc.Gait, "start": lc.Start}.items():
+        instance(name, getattr(chosen, name), kind)
     plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
     plant.flow.refuse_tables("an FMU or a library in C")
     if inputs == "references" and plant.joints.prescribed:
