@@ -11,7 +11,7 @@ ones turn what is behind the hinge to the right.
 
 from typing import NamedTuple
 
-from laticauda.kinematics import to_quaternion, turn
+from laticauda.kinematics import levers, to_quaternion, turn
 from laticauda.robot import CaudalFin, Hinge, Joint, Module, PectoralFin, Piece, Robot, Thruster
 
 Three = tuple[float, float, float]
@@ -125,13 +125,7 @@ def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, floa
 
 def center_of_mass(robot: Robot) -> float:
     """Center of mass of the straight robot from its tail end, on its axis [m]."""
-    moment, behind = 0.0, 0.0
-    for module in robot.modules:
-        moment += module.mass * (behind + module.half_length + module.center)
-        behind += module.length
-    if robot.caudal_fin is not None:
-        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
-    return moment / robot.mass
+    return -float(levers(robot).end[0].sum())
 
 
 def moments(vertical: float, across: float, above: float) -> Three:
