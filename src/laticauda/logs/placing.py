@@ -161,8 +161,7 @@ def _axes(frame: Frame) -> Float[np.ndarray, "2 3"]:
 
 
 def _turn(frame: Frame) -> Float[np.ndarray, "2 2"]:
-    angle = math.radians(frame.rotation_deg)
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    return kinematics.turn("yaw", math.radians(frame.rotation_deg))[:2, :2]
 
 
 def _plane(log: Measured, names: Any, unit: str | None) -> Points:

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda import codec, control, estimation, files, gaits, interfaces, scenarios
+from laticauda.control.paths import seen_from
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.estimation.samples import Offset
 from laticauda.operate import drivers
@@ -149,14 +150,11 @@ class CaptureVolume:
 
     def to_path(self, position: Vector) -> Vector:
         """A position of the tank frame in the path frame [m]."""
-        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
-        x, y = position[0] - self.path_origin[0], position[1] - self.path_origin[1]
-        return np.array([cos * x + sin * y, cos * y - sin * x, *(position[2:] - self.surface)])
+        return np.array([*seen_from(self.path_origin, self.path_heading, position), *(position[2:] - self.surface)])
 
     def to_tank(self, position: Vector) -> Vector:
         """A position of the path frame in the tank frame [m]."""
-        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
-        x, y = cos * position[0] - sin * position[1], sin * position[0] + cos * position[1]
+        x, y = seen_from((0.0, 0.0), -self.path_heading, position)
         return np.array([self.path_origin[0] + x, self.path_origin[1] + y, *(position[2:] + self.surface)])
 
     def room(self, position: Vector, velocity: Vector) -> float:
