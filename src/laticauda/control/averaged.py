@@ -28,7 +28,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water
-from laticauda.trial import Trial
+from laticauda.trial import Trial, metrics
 
 State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 
@@ -138,8 +138,8 @@ class _Cycles:
         self.begin = np.arange(0.0, self.time[-1] - self.period + 1e-9, 0.1 * self.period)
         current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
         self.velocity = [self.change(trial.center_of_mass[:, i]) - current[i] for i in range(2)]
-        steps = 0.5 * (trial.heading[1:] + trial.heading[:-1]) * np.diff(self.time)
-        self.heading, self.turning = self.change(np.append(0.0, np.cumsum(steps))), self.change(trial.heading)
+        turned = metrics.integral(self.time, trial.heading)
+        self.heading, self.turning = self.change(turned), self.change(trial.heading)
         self.power = self.change(trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work)
 
     def change(self, values: Array) -> Array:

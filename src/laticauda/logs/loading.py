@@ -245,23 +245,14 @@ def interpolated(at: Float[np.ndarray, "*at"], time: Samples, values: Columns) -
 
 def _slopes(values: Columns, width: int) -> Columns:
     """Slopes per sample, with windows of `width` samples."""
-    n, before = len(values), width // 2
-    order = min(ORDER, width - 1)
-    at = np.arange(width, dtype=np.float64)
-    fit = np.linalg.pinv(np.vander(at - 0.5 * (width - 1), order + 1, increasing=True))  # values -> coefficients
+    before, order = width // 2, min(ORDER, width - 1)
+    at = np.arange(width) - 0.5 * (width - 1)
+    fit = np.linalg.pinv(np.vander(at, order + 1, increasing=True))  # values -> coefficients
     powers = np.arange(1, order + 1)
-
-    def weights(where: float) -> Float[np.ndarray, " width"]:
-        return (powers * (where - 0.5 * (width - 1)) ** (powers - 1)) @ fit[1:]
-
-    slope = np.empty_like(values)
+    weights = (powers * at[:, np.newaxis] ** (powers - 1)) @ fit[1:]  # of values in a window, for each place in it
     windows = np.lib.stride_tricks.sliding_window_view(values, width, axis=0)
-    slope[before : before + len(windows)] = windows @ weights(before)
-    for k in range(before):
-        slope[k] = weights(k) @ values[:width]
-    for k in range(before + len(windows), n):
-        slope[k] = weights(k - n + width) @ values[-width:]
-    return slope
+    begin, end = weights[:before] @ values[:width], weights[before + 1 :] @ values[-width:]
+    return np.concatenate((begin, windows @ weights[before], end))
 
 
 # ---- checks and words ----------------------------------------------------------------------------------------------
