@@ -70,7 +70,7 @@ def answer(**words: str) -> str:
         (answer(at_7="soon"), "the meter's answer to QDDA makes no sense: 'A_DC,"),
         (answer(at_8="-1"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
         (answer(at_9="2"), "the meter's answer to QDDA is cut short: 'A_DC,"),
-        (answer(at_11="much"), "the meter's reading must be a number, got 'much'"),
+        (answer(at_11="much"), "the meter's answer to QDDA makes no sense: 'A_DC,"),
         (answer(at_11="-1E38"), "the meter is overloaded, it reads '-1E38'"),
         (answer(at_11="nan"), "the meter is overloaded, it reads 'nan'"),
         (answer(at_10="PEAK"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),

@@ -89,7 +89,6 @@ class Recorder:
         self._open_since: int | None = None
         self._open_bytes = 0
         self._sequence = 0
-        self._is_open = True
         self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
 
     def message(self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = "") -> None:
@@ -266,9 +265,8 @@ class Recorder:
     def close(self) -> None:
         """Complete the file; a second time it does nothing."""
         with self._lock:
-            if not self._is_open:
+            if self._file.closed:
                 return
-            self._is_open = False
             try:
                 self._guarded(self._writer.finish)
             finally:
@@ -296,7 +294,7 @@ class Recorder:
         """
         with self._lock:
             channel = self._channel(topic, kind, unit)
-            if not self._is_open:
+            if self._file.closed:
                 raise StorageFailed(f"Cannot write {self.path}: it is closed.")
             if self._open_since is None:
                 self._open_since = now
