@@ -246,11 +246,10 @@ class BusAddress:
         if not self.channel:
             object.__setattr__(self, "channel", CHANNELS[self.interface])
         if self.interface == "udp_multicast":
-            try:
-                group = ipaddress.ip_address(self.channel)
-            except ValueError:
-                group = None
-            if not isinstance(group, ipaddress.IPv4Address) or not group.is_multicast:
+            is_group = False
+            with contextlib.suppress(ValueError):  # it is no address
+                is_group = ipaddress.IPv4Address(self.channel).is_multicast
+            if not is_group:
                 rule = f"must be an IPv4 multicast group such as {GROUP}, got {self.channel!r}"
                 raise BadArgument("channel", rule)
 
