@@ -10,9 +10,9 @@ from numba import njit
 import laticauda as lc
 from laticauda.actuation import JointLaw
 from laticauda.compiling import (
+    PROCESSOR,
     compiled,
     functions,  # noqa: F401 - it teaches lanes their sines
-    in_lanes,
     inner,
     lane_types,
     lanes,
@@ -100,7 +100,7 @@ def test_a_law_that_branches_is_differentiated_lane_by_lane():
             return x * x, 3.0
         return -x, 2.0 * y
 
-    call = in_lanes(compiled(law))
+    call = PROCESSOR.in_lanes(compiled(law))
 
     @njit(**inner.OPTIONS)
     def both(x):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.compiling import compiled, for_python, functions, in_lanes, inner, lane_types, lanes
+from laticauda.compiling import PROCESSOR, compiled, for_python, functions, inner, lane_types, lanes
 
 WIDTH = 8
 rows_of = lane_types.rows_of(WIDTH)
@@ -108,7 +108,7 @@ def test_a_law_that_branches_is_called_lane_by_lane():
             return x, y
         return -x, 2.0 * y
 
-    call = in_lanes(compiled(law))
+    call = PROCESSOR.in_lanes(compiled(law))
 
     @njit(**inner.OPTIONS)
     def both(S):

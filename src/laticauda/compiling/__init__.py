@@ -108,23 +108,9 @@ def for_python(function: Any) -> Any:
     return njit(**INLINED)(function.py_func)
 
 
-def in_lanes(function: Any) -> Any:
-    """A compiled function of floats that takes lanes too.
-
-    Args:
-        function: As `compiled` returned it.
-    """
-    return _target.get().in_lanes(function)
-
-
-def made_for_target() -> dict[Any, Any]:
-    """Functions that were made for what is compiled for now, by what they were made of."""
-    return _target.get().made
-
-
-def first_lane() -> Any:
-    """The function that gives a number which is the same in all lanes."""
-    return _target.get().formulas[scalars.first_lane]
+def target() -> Target:
+    """What is compiled for now."""
+    return _target.get()
 
 
 def _all_or_each(function: Any) -> Any:

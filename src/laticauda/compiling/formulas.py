@@ -15,8 +15,9 @@ from typing import Any, cast
 
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import compiled, fingerprint, first_lane, for_python, in_lanes, kernel, made_for_target
+from laticauda.compiling import compiled, fingerprint, for_python, kernel, target
 from laticauda.formulas import Formula
+from laticauda.scalars import first_lane
 
 _checked: set[str] = set()
 
@@ -69,10 +70,10 @@ def _size(record: Any) -> int:
 
 def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
     """The same for kernels: it takes lanes too, and is made once for all of them; see `in_numbers`."""
-    made, key = made_for_target(), (digest_of(formula), record, n_first)
-    if key not in made:
-        made[key] = in_lanes(in_numbers(formula, record, n_first))
-    return made[key]
+    now, key = target(), (digest_of(formula), record, n_first)
+    if key not in now.made:
+        now.made[key] = now.in_lanes(in_numbers(formula, record, n_first))
+    return now.made[key]
 
 
 def check(
@@ -157,7 +158,7 @@ def summed(kinds: Sequence[Formula], count: int) -> Any:
 
 def _after(before: Any, formula: Formula, count: int) -> Any:
     """The same with the parts of one more kind."""
-    part, size, first = in_rows(formula, None, PLACE), len(formula.fields), first_lane()
+    part, size, first = in_rows(formula, None, PLACE), len(formula.fields), target().formulas[first_lane]
     numbers = rows_from(0, size)
     plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))
 

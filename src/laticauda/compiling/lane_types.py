@@ -105,7 +105,9 @@ class _RowsModel(models.PrimitiveModel):
 
 
 def rows_of(width):
-    """The compiled function that takes an array, contiguous, the lanes of a row next to each other, as `Rows`.
+    """The compiled function that takes what is at an address, or in an array, as `Rows`.
+
+    It is contiguous, the lanes of a row next to each other.
 
     A row of several complex numbers holds all real parts, then all imaginary parts (see `split`).
     """
@@ -115,7 +117,8 @@ def rows_of(width):
         kind = Rows(array.dtype, width)
 
         def codegen(context, builder, sig, args):
-            data = context.make_array(sig.args[0])(context, builder, args[0]).data
+            is_address = isinstance(array, types.CPointer)
+            data = args[0] if is_address else context.make_array(array)(context, builder, args[0]).data
             return builder.bitcast(data, context.get_value_type(kind))
 
         return kind(array), codegen
@@ -178,15 +181,15 @@ def _setitem(context, builder, sig, args):
 
 
 def parted(context, builder, fromty, kind, value):
-    """Real and imaginary part of anything that can become duals; the imaginary part is None where there is none."""
-    if isinstance(fromty, Duals):
+    """Real and imaginary part of a complex number, or of anything that can become duals; None where there is none."""
+    if isinstance(fromty, types.Complex | Duals):
         pair = cgutils.create_struct_proxy(fromty)(context, builder, value=value)
         return pair.real, pair.imag
     return context.cast(builder, value, fromty, kind.part), None
 
 
 def joined(context, builder, kind, parts):
-    """Duals of a real and an imaginary part, which may be None."""
+    """Duals, or a complex number, of a real and an imaginary part, which may be None."""
     pair = cgutils.create_struct_proxy(kind)(context, builder)
     pair.real = parts[0]
     pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]

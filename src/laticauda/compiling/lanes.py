@@ -185,11 +185,8 @@ def where(typingctx, condition, a, b):
         one, other = (context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
         if not isinstance(kind, types.Complex | Duals):
             return builder.select(args[0], one, other)
-        pair = cgutils.create_struct_proxy(kind)
-        one, other, out = pair(context, builder, value=one), pair(context, builder, value=other), pair(context, builder)
-        out.real = builder.select(args[0], one.real, other.real)
-        out.imag = builder.select(args[0], one.imag, other.imag)
-        return out._getvalue()
+        both = zip(*(parted(context, builder, kind, kind, v) for v in (one, other)), strict=True)
+        return joined(context, builder, kind, [builder.select(args[0], *parts) for parts in both])
 
     return kind(condition, a, b), codegen
 
@@ -201,10 +198,7 @@ def magnitude(typingctx, x):
     def codegen(context, builder, sig, args):
         if not isinstance(x, types.Complex | Duals):
             return _elementwise("fabs")(builder, x, args[0])
-        pair = cgutils.create_struct_proxy(x)
-        number, out = pair(context, builder, value=args[0]), pair(context, builder)
-        out.real, out.imag = duals.magnitude(builder, None, (number.real, number.imag))
-        return out._getvalue()
+        return joined(context, builder, x, duals.magnitude(builder, None, parted(context, builder, x, x, args[0])))
 
     return x(x), codegen
 

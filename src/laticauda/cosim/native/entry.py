@@ -24,7 +24,6 @@ from laticauda import formulas, scalars
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import INLINED, PROCESSOR, Target, compiling_for, inlined
 from laticauda.compiling.formulas import in_numbers, reason_of
-from laticauda.compiling.lane_types import Rows
 from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
@@ -108,20 +107,6 @@ def _beyond(typingctx, pointer, count):
     return pointer(pointer, count), codegen
 
 
-@intrinsic
-def _rows_of(typingctx, numbers):
-    """Rows of one lane at an address, or of an array."""
-    kind = Rows(types.float64, 1)
-
-    def codegen(context, builder, sig, args):
-        if isinstance(numbers, types.CPointer):
-            return args[0]
-        data = context.make_array(numbers)(context, builder, args[0]).data
-        return builder.bitcast(data, context.get_value_type(kind))
-
-    return kind(numbers), codegen
-
-
 _LOG = types.Array(types.float64, 3, "C")
 
 
@@ -153,7 +138,7 @@ def target() -> Target:
         entry=_inner,
         in_lanes=PROCESSOR.in_lanes,
         formulas={one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row},
-        instead={"free_joints": free_joints, "rows_of": _rows_of},
+        instead={"free_joints": free_joints},
     )
 
 

@@ -5,6 +5,7 @@ for others that of the package `ziglang` (the extra `export`), which brings thei
 """
 
 # pyright: basic
+import contextlib
 import functools
 import hashlib
 import importlib.util
@@ -178,11 +179,9 @@ def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
         return file.read_bytes()
     except OSError:
         made = make()
-    try:  # another process may do the same at this moment
+    with contextlib.suppress(OSError):  # there may be nowhere to keep it, or another process doing so at this moment
         file.parent.mkdir(parents=True, exist_ok=True)
         files.write(file, made)
-    except OSError:  # pragma: no cover - nowhere to keep it
-        pass
     return made
 
 
