@@ -233,23 +233,20 @@ class Session:
         Args:
             line: The request, without its end.
         """
-        with self._budget.turn_for(len(line)):
-            return self._answered(line)
-
-    def _answered(self, line: bytes) -> bytes:
         tag: dict[str, Any] = {}
-        try:
-            message = messages.read_message(line)
-            if "id" in message:
-                tag["id"] = message["id"]
-            return self._written({**tag, **self._answer(message)})
-        except codec.BadKey as bad:
-            return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
-        except (ValueError, LaticaudaError) as error:
-            return messages.write_message({**tag, "error": str(error)})
-        except Exception as error:  # one request that we cannot make sense of must not end the others
-            traceback.print_exc(file=sys.stderr)
-            return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
+        with self._budget.turn_for(len(line)):
+            try:
+                message = messages.read_message(line)
+                if "id" in message:
+                    tag["id"] = message["id"]
+                return self._written({**tag, **self._answer(message)})
+            except codec.BadKey as bad:
+                return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
+            except (ValueError, LaticaudaError) as error:
+                return messages.write_message({**tag, "error": str(error)})
+            except Exception as error:  # one request that we cannot make sense of must not end the others
+                traceback.print_exc(file=sys.stderr)
+                return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
 
     def _written(self, message: Message) -> bytes:
         count, most = sum(np.size(values) for values in message.get("series", {}).values()), self._budget.answered

@@ -172,7 +172,9 @@ class Lab:
                     self._send()
             wait = (self.tank.next_tick - now) / self.speed
             # With wait <= 0 there is a step to make; what has come meanwhile is heard all the same.
-            frame = self._received(min(max(wait, 0.0), LONGEST_WAIT))
+            frame: Any = None
+            with suppress(python_can().CanError):  # what a bus cannot make sense of is as good as lost
+                frame = self._bus.recv(min(max(wait, 0.0), LONGEST_WAIT))
             if frame is not None:
                 self._take(frame, first + clock.now() - self.lag)
 
@@ -183,21 +185,12 @@ class Lab:
             self.tank.receive(frame.arbitration_id, bytes(frame.data), min(now, self.tank.next_tick))
             self._send()
 
-    def _received(self, timeout: float) -> Any:
-        """The next frame on the bus, or None; what a bus cannot make sense of is as good as lost."""
-        try:
-            return self._bus.recv(timeout)
-        except python_can().CanError:
-            return None
-
     def _send(self) -> None:
         """What the nodes and the cameras have to say goes out."""
         can = python_can()
-        for identifier, data in self.tank.sent():
-            try:
+        with suppress(can.CanError):  # a full buffer loses frames, as a busy bus does
+            for identifier, data in self.tank.sent():
                 self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
-            except can.CanError:  # a full buffer loses frames, as a busy bus does
-                break
         for frame in self.tank.captured():
             self.server.publish(frame)
 

@@ -75,7 +75,6 @@ class Together:
         self.plants, first = plants, plants[0]
         others = [(plant.robot, plant.settings) for plant in plants[1:]]
         self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
-        self._environment = first.environment
 
     def check(self, each: Sequence[PlantState]) -> None:
         """Refuse states to begin with in which robots are in one another, or in something; in that case ValueError."""
@@ -95,12 +94,12 @@ class Together:
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = max(plant.steps_in(duration / n_intervals) for plant in self.plants)
-        given = [plant._rows(command) for plant, command in zip(self.plants, commands, strict=True)]
+        known = list(zip(self.plants, commands, strict=True))
+        given = [plant._rows(command) for plant, command in known]
         ends = [plant._begun(a, b) for plant, a, b in zip(self.plants, each, commands, strict=True)]
         dt = duration / n_intervals / every
-        log = self.twin.run(ends, given, n_intervals * every, dt, every, self._environment)
+        log = self.twin.run(ends, given, n_intervals * every, dt, every, self.plants[0].environment)
         parts = np.split(log, self.twin.places[1:-1, rows.FIRST_COLUMN], axis=1)
-        known = list(zip(self.plants, commands, strict=True))
         logs = [Stretch(part, command) for command, part in zip(commands, parts, strict=True)]
         if len(log) <= n_intervals:
             when = each[0].values[0] + len(log) * duration / n_intervals
