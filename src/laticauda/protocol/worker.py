@@ -65,10 +65,7 @@ class Worker(Generic[T]):
 
     def receive(self) -> tuple[T, ...]:
         """What came in since the last call, oldest first."""
-        items: list[T] = []
-        while self._found:
-            items.append(self._found.popleft())
-        return tuple(items)
+        return tuple(self._found.popleft() for _ in range(len(self._found)))
 
     def close(self) -> None:
         """End the thread and give the device back."""
