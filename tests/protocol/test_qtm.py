@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from qtm_rt import QRTPacket
 
+from laticauda.angles import from_quaternion
 from laticauda.protocol import BodyPose, MocapFrame, ProtocolError
 from laticauda.protocol.qtm import (
     Component,
@@ -78,6 +79,27 @@ def test_the_vendors_package_reads_the_same_numbers(frame):
             assert pose.residual == pytest.approx(expected.residual, rel=1e-6, abs=1e-12)
 
 
+@given(frame=FRAMES)
+def test_the_vendors_package_reads_the_same_markers_and_segments(frame):
+    frame = made(frame)
+    points = ((0.05, 0.0, 0.0), (0.0, 0.04, -0.01))
+    packet = QRTPacket(payload(encode_frame(frame, (Component.MARKERS, Component.SKELETONS), points)))
+    _, markers = packet.get_3d_markers_residual()
+    _, skeletons = packet.get_skeletons()
+    assert (len(markers), len(skeletons)) == (2 * len(frame.bodies), len(frame.bodies))
+    for k, body in enumerate(frame.bodies):
+        (number, position, turned), first = skeletons[k][0], markers[2 * k : 2 * k + 2]
+        assert number == 1
+        if body is None:
+            assert np.isnan([*position, *turned, *first[0][:3]]).all()
+            continue
+        np.testing.assert_allclose(1e-3 * np.array(position), body.position, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(from_quaternion(turned.w, turned.x, turned.y, turned.z), body.rotation, atol=1e-6)
+        for marker, point in zip(first, points, strict=True):
+            at = body.position + body.rotation @ point
+            np.testing.assert_allclose(1e-3 * np.array(marker[:3]), at, rtol=1e-6, atol=1e-7)
+
+
 @given(angles=st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)))
 def test_euler_angles_are_those_of_the_rotation(angles):
     np.testing.assert_allclose(euler_angles(turned(*angles)), angles, atol=1e-6)
@@ -113,14 +135,17 @@ def test_an_event_is_one_byte():
 
 def test_what_a_client_asks_for_is_answered_and_nothing_else():
     bodies = {"fish & fin": [(0.01, -0.02, 0.0)], "other": []}
-    root = ElementTree.fromstring(parameters(100.0, bodies))
+    root = ElementTree.fromstring(parameters(100.0, bodies, {"general", "6d"}))
     assert root.tag == "QTM_Parameters_Ver_1.25"
     assert root.findtext("General/Frequency") == "100"
     assert [body.findtext("Name") for body in root.findall("The_6D/Body")] == ["fish & fin", "other"]
     (point,) = root.findall("The_6D/Body/Points/Point")
     assert [point.get(axis) for axis in "XYZ"] == ["10.000", "-20.000", "0.000"]  # mm
-    assert [one.tag for one in ElementTree.fromstring(parameters(None, bodies))] == ["The_6D"]
-    assert [one.tag for one in ElementTree.fromstring(parameters(50.0, {}))] == ["General"]
+    for word, tag in {"general": "General", "6d": "The_6D", "3d": "The_3D", "skeleton": "Skeletons"}.items():
+        assert [one.tag for one in ElementTree.fromstring(parameters(50.0, bodies, {word, "image"}))] == [tag]
+    root = ElementTree.fromstring(parameters(50.0, bodies, {"3d", "skeleton"}))
+    assert [label.text for label in root.findall("The_3D/Label/Name")] == ["fish & fin-0"]
+    assert [one.get("Name") for one in root.iter("Skeleton")] == ["fish & fin", "other"]
 
 
 def test_a_body_has_no_residual_where_none_was_asked_for():

@@ -98,7 +98,7 @@ class QtmServer:
         for client in self._clients:
             waits = client.writer.transport.get_write_buffer_size() > MOST_WAITING
             if client.components and frame.number % client.divisor == 0 and not waits:
-                client.send(qtm.encode_frame(frame, client.components))
+                client.send(qtm.encode_frame(frame, client.components, MARKERS))
 
     async def _close(self) -> None:
         if self._server is not None:
@@ -147,9 +147,8 @@ class QtmServer:
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
         names = {word.lower() for word in words}
-        frequency = self.rate if names & {"general", "all"} else None
-        bodies = {BODY: MARKERS} if names & {"6d", "all"} else {}
-        return qtm.encode_text(qtm.parameters(frequency, bodies), qtm.PacketType.XML)
+        asked = {"general", "6d", "3d", "skeleton"} if "all" in names else names
+        return qtm.encode_text(qtm.parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML)
 
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
         components = _components(words)
@@ -157,7 +156,7 @@ class QtmServer:
             return PARSE_ERROR
         if self._latest is None:
             return qtm.encode_packet(qtm.PacketType.NO_MORE_DATA, b"")
-        return qtm.encode_frame(self._latest, components)
+        return qtm.encode_frame(self._latest, components, MARKERS)
 
     def _stream_frames(self, client: _Client, words: Sequence[str]) -> bytes:
         if not words:

@@ -71,7 +71,7 @@ class Connection:
     bus_address: str = option("where it is", default=f"udp_multicast:{GROUP}:{PORT}")
     mocap: str = option("driver of the motion capture", default="qtm")
     mocap_address: str = option("where it is", default="127.0.0.1:22223")
-    mocap_body: str = option('name of the rigid body; "" takes the only one there is', default="")
+    mocap_body: str = option("rigid body, FRONT+BACK+LEFT markers, SKELETON/SEGMENT; empty: the only body", default="")
     meter: str = option("driver of the power meter", default="fluke")
     meter_address: str = option('where it is; "" for none', default="")
     stop: str = option("driver of the emergency-stop input", default="serial-line")

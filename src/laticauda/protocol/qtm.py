@@ -10,15 +10,18 @@ References:
 
 import math
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from enum import IntEnum
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.angles import to_quaternion
 from laticauda.protocol.messages import ProtocolError
+
+Point = tuple[float, float, float]
 
 PORT = 22223  # for those who take the least significant byte first
 VERSION = "1.25"
@@ -28,6 +31,7 @@ HEADER = struct.Struct("<II")
 DATA_HEADER = struct.Struct("<qII")
 COMPONENT_HEADER = struct.Struct("<II")
 BODIES_HEADER = struct.Struct("<ihh")
+LOST = np.full(3, np.nan)
 
 
 class PacketType(IntEnum):
@@ -53,11 +57,14 @@ class Component(IntEnum):
 
     BODIES = 5
     BODIES_EULER = 6
+    MARKERS = 9
     BODIES_RESIDUAL = 11
     BODIES_EULER_RESIDUAL = 12
+    SKELETONS = 18
 
 
-COMPONENTS: dict[str, Component] = dict(zip(("6d", "6deuler", "6dres", "6deulerres"), Component, strict=True))
+WORDS = ("6d", "6deuler", "3dres", "6dres", "6deulerres", "skeleton")
+COMPONENTS: dict[str, Component] = dict(zip(WORDS, Component, strict=True))
 WITH_RESIDUAL = (Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
 EULER = (Component.BODIES_EULER, Component.BODIES_EULER_RESIDUAL)
 
@@ -129,29 +136,40 @@ def decode_text(payload: bytes) -> str:
     return payload.split(b"\0", 1)[0].decode(errors="replace")
 
 
-def encode_frame(frame: MocapFrame, components: Sequence[Component] = (Component.BODIES_RESIDUAL,)) -> bytes:
+def encode_frame(
+    frame: MocapFrame, components: Sequence[Component] = (Component.BODIES_RESIDUAL,), points: Sequence[Point] = ()
+) -> bytes:
     """The data packet of a frame.
 
     Args:
         frame: What the cameras saw.
-        components: In what forms to send it.
+        components: In what forms to send it; as skeletons, every body is one of one segment.
+        points: Where the markers of every body are in its own axes [m].
     """
     parts = [DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))]
     for component in components:
-        bodies = b"".join(_body_bytes(body, component) for body in frame.bodies)
-        body = BODIES_HEADER.pack(len(frame.bodies), 0, 0) + bodies
-        parts += [COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(body), component), body]
+        body = b"".join(_body_bytes(body, component, points) for body in frame.bodies)
+        count = len(frame.bodies) * (len(points) if component == Component.MARKERS else 1)
+        head = BODIES_HEADER.pack(count, 0, 0)[: 4 if component == Component.SKELETONS else None]
+        parts += [COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(head + body), component), head, body]
     return encode_packet(PacketType.DATA, b"".join(parts))
 
 
-def parameters(frequency: float | None, bodies: Mapping[str, Sequence[tuple[float, float, float]]]) -> str:
+def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: Set[str]) -> str:
     """The answer to `getparameters`.
 
     Args:
-        frequency: Frames per second; None: it was not asked for [Hz].
-        bodies: Where the markers of every body are in its own axes, by its name; empty: likewise [m].
+        frequency: Frames per second [Hz].
+        bodies: Where the markers of every body are in its own axes, by its name [m].
+        asked: Of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (every body as one of one segment).
     """
-    said = "" if frequency is None else f"<General><Frequency>{frequency:g}</Frequency></General>"
+    said = f"<General><Frequency>{frequency:g}</Frequency></General>" if "general" in asked else ""
+    if "3d" in asked:
+        labels = (f"{escape(name)}-{k}" for name, points in bodies.items() for k in range(len(points)))
+        said += f"<The_3D>{''.join(f'<Label><Name>{label}</Name></Label>' for label in labels)}</The_3D>"
+    if "skeleton" in asked:
+        skeletons = (f'<Skeleton Name={quoteattr(name)}><Segment Name="body" ID="1"/></Skeleton>' for name in bodies)
+        said += f"<Skeletons>{''.join(skeletons)}</Skeletons>"
     listed = "".join(
         f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>"
         + "".join(
@@ -161,7 +179,7 @@ def parameters(frequency: float | None, bodies: Mapping[str, Sequence[tuple[floa
         + "</Points></Body>"
         for name, points in bodies.items()
     )
-    said += f"<The_6D>{listed}</The_6D>" if bodies else ""
+    said += f"<The_6D>{listed}</The_6D>" if "6d" in asked else ""
     return f"<QTM_Parameters_Ver_{VERSION}>{said}</QTM_Parameters_Ver_{VERSION}>"
 
 
@@ -173,8 +191,14 @@ def euler_angles(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, floa
     return roll, pitch, yaw
 
 
-def _body_bytes(body: BodyPose | None, component: Component) -> bytes:
+def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
     """A body's numbers in one form."""
+    if component == Component.MARKERS:
+        at = np.full((len(points), 3), np.nan) if body is None else body.position + np.array(points) @ body.rotation.T
+        return b"".join(struct.pack("<4f", *(1e3 * place).tolist(), 0.0) for place in at)
+    if component == Component.SKELETONS:
+        place, (w, *xyz) = (body.position, to_quaternion(body.rotation)) if body else (LOST, [math.nan] * 4)
+        return struct.pack("<ii7f", 1, 1, *(1e3 * place).tolist(), *xyz, w)
     n = 3 + (3 if component in EULER else 9) + (component in WITH_RESIDUAL)
     if body is None:
         return struct.pack(f"<{n}f", *[math.nan] * n)

@@ -46,10 +46,35 @@ def test_the_vendors_client_streams_the_body_with_both_times(server):
     assert 0.0 < arrival < clock.now()
 
 
+@pytest.mark.parametrize(
+    ("body", "ahead"),
+    [(f"{BODY}-1+{BODY}-2+{BODY}-3", 0.005), (f"{BODY}/body", 0.0)],
+    ids=["three labelled markers", "a segment of a skeleton"],
+)
+def test_markers_and_skeletons_give_the_pose_of_the_body(server, body, ahead):
+    """The markers' origin is amid front and back, which are 50 and -40 mm from that of the body."""
+    with MocapDriver(f"{server.host}:{server.port}", Clock(), body) as driver:
+        found = published(server, driver, 6)
+        assert driver.trouble == ""
+    frames = [frame for _, frame in found]
+    assert {frame.is_lost for frame in frames} == {False, True}
+    seen = next(frame for frame in frames if not frame.is_lost)
+    assert seen.position == pytest.approx(np.array([1.0, 2.0, -0.15]) + ahead * TURN[:, 0], abs=1e-6)
+    assert seen.rotation == pytest.approx(TURN, abs=1e-6)
+
+
+def test_a_marker_or_a_segment_that_is_unknown_is_refused_with_what_there_is(server):
+    address = f"{server.host}:{server.port}"
+    with pytest.raises(DeviceFailed, match=rf"has no 'left' among its markers: {BODY}-0, {BODY}-1"):
+        MocapDriver(address, Clock(), f"{BODY}-1+{BODY}-2+left")
+    with pytest.raises(DeviceFailed, match=rf"has no 'fish/tail' among its segments: {BODY}/body"):
+        MocapDriver(address, Clock(), "fish/tail")
+
+
 def test_the_only_body_needs_no_name_and_an_unknown_one_is_refused_with_what_there_is(server):
     with MocapDriver(f"{server.host}:{server.port}", Clock(), ""):
         pass
-    with pytest.raises(DeviceFailed, match=rf"has no body 'fish'; its bodies are: {BODY}"):
+    with pytest.raises(DeviceFailed, match=rf"has no 'fish' among its bodies: {BODY}"):
         MocapDriver(f"{server.host}:{server.port}", Clock(), "fish")
 
 

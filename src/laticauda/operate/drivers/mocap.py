@@ -7,11 +7,13 @@
 import asyncio
 import logging
 import threading
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
+from laticauda.angles import from_quaternion
 from laticauda.estimation import PoseSample
 from laticauda.operate.drivers.base import MotionCapture, host_and_port
 from laticauda.protocol.qtm import BodyPose, body_pose
@@ -34,8 +36,48 @@ def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
     return PoseSample(time=time, position=pose.position, rotation=pose.rotation, residual=residual)
 
 
+def _of_body(packet: Any, at: Sequence[int]) -> BodyPose | None:
+    """Of a rigid body."""
+    position, matrix, residual = packet.get_6d_residual()[1][at[0]]
+    return body_pose((*position, *matrix.matrix, *residual))
+
+
+def _of_markers(packet: Any, at: Sequence[int]) -> BodyPose | None:
+    """Of three labelled markers: x from the second to the first, y towards the third; the origin is amid the two."""
+    front, back, left = np.array([packet.get_3d_markers_residual()[1][one][:3] for one in at])
+    x, z = front - back, np.cross(front - back, left - back)
+    if not np.linalg.norm(z) > 0.0:  # of a marker that is not seen, or three in a row
+        return None
+    axes = [axis / np.linalg.norm(axis) for axis in (x, np.cross(z, x), z)]
+    return body_pose((*(0.5 * (front + back)).tolist(), *np.concatenate(axes).tolist()))
+
+
+def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
+    """Of a skeleton's segment."""
+    segments = [segment for skeleton in packet.get_skeletons()[1] for segment in skeleton]
+    _, position, turned = segments[at[0]]
+    return body_pose((*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist()))
+
+
+class _Form(NamedTuple):
+    """How a body is told of."""
+
+    called: str
+    parameters: str
+    component: str
+    pose: Callable[[Any, Sequence[int]], BodyPose | None]
+
+
+BODY = _Form("bodies", "6d", "6dres", _of_body)
+MARKERS = _Form("markers", "3d", "3dres", _of_markers)
+SEGMENT = _Form("segments", "skeleton", "skeleton", _of_segment)
+
+
 class MocapDriver(MotionCapture):
-    """A rigid body of QTM's; the address is HOST:PORT, the port that for the least significant byte first."""
+    """A body of QTM's; the address is HOST:PORT, the port that for the least significant byte first.
+
+    The body is a rigid body NAME, three labelled markers FRONT+BACK+LEFT or a segment SKELETON/SEGMENT.
+    """
 
     called = "qtm"
 
@@ -43,7 +85,8 @@ class MocapDriver(MotionCapture):
         super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
         logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
-        self._index = 0  # place of the body in the server's list
+        self._form = SEGMENT if "/" in body else MARKERS if body.count("+") == 2 else BODY
+        self._at: list[int] = []  # places of the body, or its markers, in the server's list
         self._first: DeviceFailed | None = None
         self._ready = threading.Event()
         self._start()
@@ -82,7 +125,8 @@ class MocapDriver(MotionCapture):
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
-            stream = link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._on_packet)
+            components = [self._form.component]
+            stream = link.stream_frames(frames="allframes", components=components, on_packet=self._on_packet)
             begun = asyncio.ensure_future(stream)
             # Nobody waits for its answer: frames that come, or do not, say the same.
             begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
@@ -99,24 +143,31 @@ class MocapDriver(MotionCapture):
 
     async def _find_body(self, link: Any) -> None:
         """The place of the body in the list."""
-        text: Any = await link.get_parameters(["6d"])
-        names = [(name.text or "").strip() for name in ElementTree.fromstring(text).findall("*/Body/Name")]
+        names = _names(ElementTree.fromstring(await link.get_parameters([self._form.parameters])))
         listed = ", ".join(names) or "none"
-        if self._body and self._body not in names:
-            raise DeviceFailed(f"The motion capture has no body {self._body!r}; its bodies are: {listed}.")
+        wanted = self._body.split("+") if self._form is MARKERS else [self._body or listed]
         if not self._body and len(names) != 1:
             raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
-        self._index = names.index(self._body) if self._body else 0
+        for name in wanted:
+            if name not in names:
+                raise DeviceFailed(f"The motion capture has no {name!r} among its {self._form.called}: {listed}.")
+        self._at = [names.index(name) for name in wanted]
 
     def _on_packet(self, packet: Any) -> None:
         """One packet, in the thread of the event loop."""
         arrival = self._clock.now()
         try:
-            _, rows = packet.get_6d_residual()
-            position, matrix, residual = rows[self._index]
-            pose = body_pose((*position, *matrix.matrix, *residual))
+            pose = self._form.pose(packet, self._at)
             stamp = packet.timestamp / 1e6
         except Exception as error:  # a packet that makes no sense is a frame that is lost
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
         self._found.append((arrival, pose_sample(stamp, pose)))
+
+
+def _names(told: ElementTree.Element) -> list[str]:
+    """Of all bodies, labels or segments, in the order in which packets have them."""
+    segments = ((skeleton, part) for skeleton in told.iter("Skeleton") for part in skeleton.iter("Segment"))
+    names = ["/".join(str(one.get("Name")) for one in pair) for pair in segments]
+    texts = [*told.findall(".//Body/Name"), *told.findall(".//Label/Name")]
+    return names + [(one.text or "").strip() for one in texts]
