@@ -1,0 +1,78 @@
+"""Our messages beside those of another implementation, which was made from the definitions of ROS 2."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cyclonedds", reason="the DDS library is not installed: pip install cyclonedds")
+pytest.importorskip("rosbags", reason="the other implementation is not installed: pip install rosbags")
+
+from rosbags import typesys
+
+from laticauda_ros2 import messages
+
+DISTRIBUTIONS = ("ROS2_HUMBLE", "ROS2_JAZZY", "ROS2_KILTED")
+HEADER = messages.stamped(1_700_000_000.25, "tank")
+OURS = {
+    "geometry_msgs/msg/PoseStamped": messages.PoseStamped(
+        header=HEADER, pose=messages.Pose(messages.Point(1.0, -2.0, 0.5), messages.Quaternion(0.1, 0.2, 0.3, 0.9))
+    ),
+    "sensor_msgs/msg/JointState": messages.JointState(
+        header=HEADER, name=["a", "joint_2"], position=[0.1, -0.2], velocity=[], effort=[1.0, 2.0]
+    ),
+    "std_msgs/msg/Float64MultiArray": messages.Float64MultiArray(
+        layout=messages.Layout(dim=[messages.Dimension("x", 2, 2)], data_offset=0), data=[1.5, float("nan")]
+    ),
+}
+
+
+def theirs(store, ours):
+    """The same message, of the other implementation."""
+    package, _, kind = ours.__idl_typename__.replace("::dds_::", "/").replace("::", "/").rpartition("/")
+    values = []
+    for name in store.types[f"{package}/{kind[:-1]}"].__dataclass_fields__:
+        if name == "__msgtype__":
+            continue
+        value = getattr(ours, name)
+        if hasattr(value, "__idl_typename__"):
+            value = theirs(store, value)
+        elif isinstance(value, list) and value and hasattr(value[0], "__idl_typename__"):
+            value = [theirs(store, one) for one in value]
+        elif isinstance(value, list) and not (value and isinstance(value[0], str)):
+            value = np.array(value, dtype=float)
+        values.append(value)
+    return store.types[f"{package}/{kind[:-1]}"](*values)
+
+
+@pytest.mark.parametrize("distribution", DISTRIBUTIONS)
+@pytest.mark.parametrize("name", OURS)
+def test_bytes_are_those_of_the_definitions_of_ros_2_both_ways(name, distribution):
+    store, ours = typesys.get_typestore(typesys.Stores[distribution]), OURS[name]
+    data = bytes(store.serialize_cdr(theirs(store, ours), name))
+    assert ours.serialize() == data
+    assert type(ours).deserialize(data).serialize() == data
+
+
+@pytest.mark.parametrize("distribution", DISTRIBUTIONS)
+def test_fields_are_those_of_the_definitions_of_ros_2(distribution):
+    store = typesys.get_typestore(typesys.Stores[distribution])
+    kinds = [one for one in vars(messages).values() if hasattr(one, "__idl_typename__")]
+    assert len(kinds) == 10
+    for kind in kinds:
+        package, middle, _, last = kind.__idl_typename__.split("::")
+        there = store.types[f"{package}/{middle}/{last.removesuffix('_')}"]
+        assert [*kind.__dataclass_fields__] == [one for one in there.__dataclass_fields__ if one != "__msgtype__"]
+
+
+def test_types_have_the_names_that_the_middleware_of_ros_2_gives_them():
+    assert [one.__idl_typename__ for one in OURS.values()] == [
+        "geometry_msgs::msg::dds_::PoseStamped_",
+        "sensor_msgs::msg::dds_::JointState_",
+        "std_msgs::msg::dds_::Float64MultiArray_",
+    ]
+    assert {one.__idl_annotations__["extensibility"] for one in OURS.values()} == {"final"}
+
+
+def test_a_stamp_holds_seconds_and_nanoseconds():
+    stamp = messages.stamped(2.9999999996).stamp
+    assert (stamp.sec, stamp.nanosec) == (2, 999_999_999)
+    assert (HEADER.stamp.sec, HEADER.stamp.nanosec) == (1_700_000_000, 250_000_000)
