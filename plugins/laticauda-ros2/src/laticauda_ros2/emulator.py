@@ -66,7 +66,7 @@ class Controllers(AbstractContextManager["Controllers"]):
                 NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number) for number, on in changed
             ]
             self._on = one
-        if time.monotonic() >= self._due:
+        if not self._to_tank and time.monotonic() >= self._due:  # where a computer is too slow, it is less often
             self._due = max(self._due + PERIOD, time.monotonic())
             self._counter = (self._counter + 1) % 65536
             self._to_tank += [*references(self._goal), Sync(counter=self._counter)]
