@@ -22,11 +22,10 @@ from pathlib import Path
 from statistics import median
 
 from _faulty_tank import FaultyTank, Quiet
-from _learning_twin import Learned, Learner, Learning
 from _rows import gone_on
 
 import laticauda as lc
-from laticauda.estimation import JointSample, PoseSample, ReferenceSample
+from laticauda.estimation import Learned, Learner, Learning, Sample
 from laticauda.lab import Fault, LabSettings, VirtualRobot
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.loop import TankDevices, run_loop
@@ -59,13 +58,14 @@ class Heard:
 
     trouble = ""
 
-    def __init__(self, learning: Learning) -> None:
-        self.learning, self.learned = learning, list[Learned]()
+    def __init__(self, learner: Learner) -> None:
+        self.learner, self.state, self.learned = learner, learner.init(), list[Learned]()
 
     def keep(self, now: float, found) -> None:
         for entry in found:
-            if isinstance(entry, PoseSample | JointSample | ReferenceSample):
-                self.learned += [one for one in [self.learning.step(entry)] if one is not None]
+            if isinstance(entry, Sample):
+                self.state = self.learner.step(self.state, entry)
+                self.learned += [] if self.state.learned is None else [self.state.learned]
 
 
 def operation(chance: random.Random, fault: str) -> Operation:
@@ -84,7 +84,7 @@ def operation(chance: random.Random, fault: str) -> Operation:
         countdown=0.5,
         estimator="kinematics",
         tank=CaptureVolume(volume_x=(-9.0, 19.0), volume_y=(-9.0, 9.0)),
-        connection=Connection(meter_port="stepped"),
+        connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=2.0, patience=10.0),
     )
@@ -93,14 +93,14 @@ def operation(chance: random.Random, fault: str) -> Operation:
 def run_one(fault: str, seed: int) -> Row:
     """One operation, with a fault or good."""
     chance = random.Random(f"{fault} {seed}")
-    what, learner = operation(chance, fault), Learner()
+    what, unknown = operation(chance, fault), Learning().unknown
     robot, guess = what.body(), what.pool()
     current = (chance.gauss(0.0, 0.004), chance.gauss(0.0, 0.004))
-    share = {name: math.exp(chance.gauss(0.0, 0.2)) for name in learner.unknown}
+    share = {name: math.exp(chance.gauss(0.0, 0.2)) for name in unknown}
     true = replace(guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()})
     body = VirtualRobot(robot, lc.plant(robot, true, joints="servo"))
     tank = FaultyTank(body, LabSettings(seed=seed, step=0.02))
-    heard = Heard(Learning(learner, robot, lc.plant(robot, guess, joints="servo")))
+    heard = Heard(Learner(robot=robot, plant=lc.plant(robot, guess, joints="servo")))
     begun, wait, node = list[float](), chance.uniform(25.0, 29.0), chance.randint(2, 6)
 
     def show(state, outputs) -> None:
@@ -122,26 +122,26 @@ def run_one(fault: str, seed: int) -> Row:
         return Row(fault, seed, words, "", math.nan, f"never began: {state.failure}", math.nan)
     since = begun[0] + (wait if fault else 0.0)
     named = [(one.time - since, one.changes[0]) for one in heard.learned if one.changes and one.time > since]
-    truth = {name: getattr(true, name) for name in learner.unknown}
+    truth = {name: getattr(true, name) for name in unknown}
     truth |= dict(zip(("current_x", "current_y"), current, strict=True))
     off = [_off(known_at(heard.learned, begun[0] + at), truth) for at in AT] if not fault else []
     after, name = named[0] if named else (math.nan, "")
     return Row(fault, seed, words, "; ".join(off), foreseen(what, heard, true), name, round(after, 2))
 
 
-def known_at(learned: list[Learned], time: float) -> dict[str, tuple[float, float]]:
+def known_at(learned: list[Learned], time: float) -> Learned:
     """What was known at a moment [s]."""
-    return dict([one for one in learned if one.time <= time][-1].known)
+    return [one for one in learned if one.time <= time][-1]
 
 
-def _off(known: dict[str, tuple[float, float]], truth: dict[str, float]) -> str:
-    return " ".join(f"{name}={(known[name][0] - truth[name]) / known[name][1]:.2f}" for name in LEARNT)
+def _off(known: Learned, truth: dict[str, float]) -> str:
+    return " ".join(f"{name}={(known.value[name] - truth[name]) / known.deviation[name]:.2f}" for name in LEARNT)
 
 
 def foreseen(what: Operation, heard: Heard, true: lc.Water) -> float:
     """The relative error of the speed through the water in the next minute, if it swims as the twin has learnt."""
-    robot, known = what.body(), heard.learning.known
-    water = replace(true.still, **{name: known[name][0] for name in heard.learning.settings.unknown})
+    robot, known = what.body(), heard.learned[-1].value
+    water = replace(true.still, **{name: known[name] for name in Learning().unknown})
     speeds = [
         lc.swim(robot, what.gait, environment=one, joints="servo", duration=60.0).forward_velocity
         for one in (true.still, water)

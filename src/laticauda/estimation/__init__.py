@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from laticauda.estimation.filter_state import Noise as Noise
     from laticauda.estimation.kinematics import KinematicEstimator as KinematicEstimator
     from laticauda.estimation.kinematics import KinematicState as KinematicState
+    from laticauda.estimation.learning import Learned as Learned, Learner as Learner, LearnerState as LearnerState
+    from laticauda.estimation.learning import Learning as Learning
     from laticauda.estimation.motion_model import MotionModel as MotionModel
     from laticauda.estimation.samples import Estimate as Estimate, Mount as Mount, StateEstimator as StateEstimator
     from laticauda.estimation.samples import JointSample as JointSample, PoseSample as PoseSample
