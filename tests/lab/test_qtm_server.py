@@ -92,13 +92,13 @@ def test_a_client_may_ask_for_fewer_frames_or_for_one(server):
         await asyncio.sleep(0.2)
         await client.stream_frames_stop()
         await asyncio.sleep(0.05)
-        one = await client.get_current_frame(components=["6d", "6deuler"])
+        one = await client.get_current_frame(components=["6d", "skeleton"])
         return frames, one
 
     frames, one = ask(server, questions)
     assert {frame.framenumber % 4 for frame in frames} == {0}
     assert one.get_6d() is not None
-    assert one.get_6d_euler() is not None
+    assert one.get_skeletons() is not None
 
 
 def test_what_a_real_server_can_do_besides_is_answered_or_refused(server):

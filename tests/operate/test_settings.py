@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from laticauda import codec
 from laticauda.operate.settings import (
     Connection,
     Operation,
@@ -81,16 +80,17 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must hold at least 2 points"),
         ("limits.max_current = 0", r"key `limits.max_current`: must be > 0 A, got 0"),
         ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
-        (
-            "connection.can_interface = 'usb'",
-            r"key `connection.bus_address`: must be one of `virtual`",
-        ),
+        ("connection.bus_address = 'usb:can0'", r"key `connection.bus_address`: must be one of `virtual`"),
         ("connection.bus = 'cam'", r"key `connection.bus`: must be one of `can`.*, got 'cam'; did you mean `can`\?"),
         ("connection.mocap = 'os'", r"key `connection.mocap`: must be one of `qtm`.*, got 'os'"),
         ("connection.mocap_address = 'here'", r"key `connection.mocap_address`: must be HOST:PORT, .*, got 'here'"),
         ("connection.stop_address = '/dev/ttyS0:tx'", r"key `connection.stop_address`: must be one of `cts`, `dsr`"),
-        ("connection.mocap_port = 70000", r"key `connection.mocap_address`: must be HOST:PORT, with a port from 1 to"),
-        ("connection.meter_port = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
+        ("connection.mocap_port = 4", r"key `connection.mocap_port`: is not known; did you mean `mocap_body`"),
+        (
+            "connection.mocap_address = 'a:70000'",
+            r"key `connection.mocap_address`: must be HOST:PORT, with a port from 1",
+        ),
+        ("connection.meter_address = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
         ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         ("calibration.still_speed = 'fast'", r"key `calibration.still_speed`: must be a number in m/s, got 'fast'"),
         ("start.heading = 0.1", r"key `start.position`: is missing; every Placement needs it"),
@@ -171,21 +171,6 @@ def test_what_is_typed_replaces_what_holds_otherwise():
     assert found.of("mocap") == ("qtm", "10.0.0.7:22225")
     assert found.mocap_body == "last-module"
     assert usual.at() == usual
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ({"can_interface": "socketcan", "can_channel": "can1"}, {"bus_address": "socketcan:can1"}),
-        ({"can_channel": "239.1.2.3"}, {"bus_address": "udp_multicast:239.1.2.3:43113"}),
-        ({"can_port": 4000}, {"bus_address": "udp_multicast::4000"}),
-        ({"mocap_host": "10.0.0.7"}, {"mocap_address": "10.0.0.7:22223"}),
-        ({"mocap_port": 4, "mocap_body": "fish"}, {"mocap_address": "127.0.0.1:4", "mocap_body": "fish"}),
-        ({"meter_port": "/dev/ttyUSB0"}, {"meter_address": "/dev/ttyUSB0"}),
-    ],
-)
-def test_the_keys_of_older_files_are_addresses(old, new):
-    assert codec.decode(Connection, old) == Connection(**new)
 
 
 @pytest.mark.parametrize("text", ["10.0.0.7", ":22223", "here:there"])

@@ -20,7 +20,6 @@ from laticauda.protocol.qtm import (
     encode_frame,
     encode_packet,
     encode_text,
-    euler_angles,
     parameters,
 )
 
@@ -63,13 +62,12 @@ def payload(packet: bytes) -> bytes:
 @given(frame=FRAMES)
 def test_the_vendors_package_reads_the_same_numbers(frame):
     frame = made(frame)
-    components = (Component.BODIES, Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
+    components = (Component.BODIES, Component.BODIES_RESIDUAL)
     packet = QRTPacket(payload(encode_frame(frame, components)))
     assert (packet.timestamp, packet.framenumber) == (round(frame.timestamp * 1e6), frame.number)
     _, plain = packet.get_6d()
     _, bodies = packet.get_6d_residual()
-    _, euler = packet.get_6d_euler_residual()
-    assert len(plain) == len(bodies) == len(euler) == len(frame.bodies)
+    assert len(plain) == len(bodies) == len(frame.bodies)
     for (position, matrix, residual), expected in zip(bodies, frame.bodies, strict=True):
         pose = body_pose((*position, *matrix.matrix, *residual))
         assert (pose is None) == (expected is None)
@@ -98,11 +96,6 @@ def test_the_vendors_package_reads_the_same_markers_and_segments(frame):
         for marker, point in zip(first, points, strict=True):
             at = body.position + body.rotation @ point
             np.testing.assert_allclose(1e-3 * np.array(marker[:3]), at, rtol=1e-6, atol=1e-7)
-
-
-@given(angles=st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)))
-def test_euler_angles_are_those_of_the_rotation(angles):
-    np.testing.assert_allclose(euler_angles(turned(*angles)), angles, atol=1e-6)
 
 
 @given(texts=st.lists(st.text(alphabet=st.characters(exclude_characters="\0", codec="utf-8"))), cut=st.integers(1, 7))

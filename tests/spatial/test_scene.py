@@ -77,13 +77,6 @@ def test_a_scene_is_a_value_that_files_keep(scene, tmp_path):
     assert scenario.settings["scene"] in Scene.names()
 
 
-def test_older_files_with_a_tank_or_a_shore_have_them_still():
-    text = lc.scenarios.run_to_toml(lc.scenario(ROBOT, GAIT, 1.0, model="spatial"))
-    tank = lc.scenarios.run_from_toml(text.replace("[model]", "[model]\ntank = true"))
-    assert tank.model.scene == Tank()
-    assert lc.scenarios.run_from_toml(text.replace("[model]", "[model]\ntank = false")).model.scene is None
-
-
 def test_what_cannot_be_is_refused_by_name(tmp_path):
     def inside(spec):
         spec.worldbody.add_geom(name="rock", type=2, size=(0.2, 0.0, 0.0), pos=(0.3, 0.0, -0.5))

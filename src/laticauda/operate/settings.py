@@ -23,7 +23,6 @@ everything else, with the path along its x axis in the paper's trials.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast
@@ -42,12 +41,6 @@ from laticauda.robot import Robot, Water, load_robot
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
-FORMER: dict[str, dict[str, object]] = {
-    "bus_address": {"can_interface": "udp_multicast", "can_channel": "", "can_port": PORT},
-    "mocap_address": {"mocap_host": "127.0.0.1", "mocap_port": 22223},
-    "meter_address": {"meter_port": ""},
-}
-"""Keys of older files, whose values make an address, and what they were where they were left out."""
 
 
 @value
@@ -119,16 +112,6 @@ class Connection:
             return replace(self, **changes)
         except BadArgument as error:
             raise BadArgument(error.name.removesuffix("_address"), error.rule) from None
-
-    @staticmethod
-    def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A `table` of a file of version 0.1, whose keys were those of the only drivers."""
-        new = dict(table)
-        for key, old in FORMER.items():
-            if old.keys() & new.keys():
-                words = [str(new.pop(name, usual)) for name, usual in old.items()]
-                new.setdefault(key, ":".join(words[:2] if words[0] in ("virtual", "socketcan") else words))
-        return new
 
 
 @value

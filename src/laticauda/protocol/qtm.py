@@ -56,17 +56,12 @@ class Component(IntEnum):
     """What a data packet may hold of a frame."""
 
     BODIES = 5
-    BODIES_EULER = 6
     MARKERS = 9
     BODIES_RESIDUAL = 11
-    BODIES_EULER_RESIDUAL = 12
     SKELETONS = 18
 
 
-WORDS = ("6d", "6deuler", "3dres", "6dres", "6deulerres", "skeleton")
-COMPONENTS: dict[str, Component] = dict(zip(WORDS, Component, strict=True))
-WITH_RESIDUAL = (Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
-EULER = (Component.BODIES_EULER, Component.BODIES_EULER_RESIDUAL)
+COMPONENTS: dict[str, Component] = dict(zip(("6d", "3dres", "6dres", "skeleton"), Component, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -183,14 +178,6 @@ def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: S
     return f"<QTM_Parameters_Ver_{VERSION}>{said}</QTM_Parameters_Ver_{VERSION}>"
 
 
-def euler_angles(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float]:
-    """Roll, pitch, yaw of R = R_x(roll) R_y(pitch) R_z(yaw), QTM's standard rotations [rad]."""
-    pitch = math.asin(min(max(float(rotation[0, 2]), -1.0), 1.0))
-    roll = math.atan2(-rotation[1, 2], rotation[2, 2])
-    yaw = math.atan2(-rotation[0, 1], rotation[0, 0])
-    return roll, pitch, yaw
-
-
 def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
     """A body's numbers in one form."""
     if component == Component.MARKERS:
@@ -199,15 +186,11 @@ def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Po
     if component == Component.SKELETONS:
         place, (w, *xyz) = (body.position, to_quaternion(body.rotation)) if body else (LOST, [math.nan] * 4)
         return struct.pack("<ii7f", 1, 1, *(1e3 * place).tolist(), *xyz, w)
-    n = 3 + (3 if component in EULER else 9) + (component in WITH_RESIDUAL)
+    n = 12 + (component == Component.BODIES_RESIDUAL)
     if body is None:
         return struct.pack(f"<{n}f", *[math.nan] * n)
-    if component in EULER:
-        turned: Sequence[float] = [math.degrees(angle) for angle in euler_angles(body.rotation)]
-    else:
-        turned = body.rotation.T.ravel().tolist()
-    residual = [1e3 * body.residual] if component in WITH_RESIDUAL else []
-    return struct.pack(f"<{n}f", *(1e3 * body.position).tolist(), *turned, *residual)
+    numbers = (*1e3 * body.position, *body.rotation.T.ravel(), 1e3 * body.residual)
+    return struct.pack(f"<{n}f", *numbers[:n])
 
 
 def body_pose(numbers: Sequence[float]) -> BodyPose | None:

@@ -72,13 +72,6 @@ class Spatial(_Model):
 
     rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
 
-    @staticmethod
-    def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """The `table` of a file with a scene where older ones have a tank or a shore."""
-        shore, kept = table.get("shore"), {key: one for key, one in table.items() if key not in ("tank", "shore")}
-        scene = {"kind": "tank"} if table.get("tank") else None if shore is None else {"kind": "shore", "ground": shore}
-        return {"scene": scene, **kept} if scene else kept
-
 
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}

@@ -7,8 +7,8 @@
 import asyncio
 import logging
 import threading
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -59,18 +59,9 @@ def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
     return body_pose((*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist()))
 
 
-class _Form(NamedTuple):
-    """How a body is told of."""
-
-    called: str
-    parameters: str
-    component: str
-    pose: Callable[[Any, Sequence[int]], BodyPose | None]
-
-
-BODY = _Form("bodies", "6d", "6dres", _of_body)
-MARKERS = _Form("markers", "3d", "3dres", _of_markers)
-SEGMENT = _Form("segments", "skeleton", "skeleton", _of_segment)
+FORMS = {"6d": ("bodies", "6dres", _of_body), "3d": ("markers", "3dres", _of_markers)}
+FORMS["skeleton"] = ("segments", "skeleton", _of_segment)
+"""What a body may be, by what QTM calls its parameters: in words, as a component of a packet, and where it is."""
 
 
 class MocapDriver(MotionCapture):
@@ -85,7 +76,8 @@ class MocapDriver(MotionCapture):
         super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
         logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
-        self._form = SEGMENT if "/" in body else MARKERS if body.count("+") == 2 else BODY
+        self._form = "skeleton" if "/" in body else "3d" if body.count("+") == 2 else "6d"
+        self._called, self._component, self._pose = FORMS[self._form]
         self._at: list[int] = []  # places of the body, or its markers, in the server's list
         self._first: DeviceFailed | None = None
         self._ready = threading.Event()
@@ -125,7 +117,7 @@ class MocapDriver(MotionCapture):
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
-            components = [self._form.component]
+            components = [self._component]
             stream = link.stream_frames(frames="allframes", components=components, on_packet=self._on_packet)
             begun = asyncio.ensure_future(stream)
             # Nobody waits for its answer: frames that come, or do not, say the same.
@@ -143,21 +135,21 @@ class MocapDriver(MotionCapture):
 
     async def _find_body(self, link: Any) -> None:
         """The place of the body in the list."""
-        names = _names(ElementTree.fromstring(await link.get_parameters([self._form.parameters])))
+        names = _names(ElementTree.fromstring(await link.get_parameters([self._form])))
         listed = ", ".join(names) or "none"
-        wanted = self._body.split("+") if self._form is MARKERS else [self._body or listed]
+        wanted = self._body.split("+") if self._form == "3d" else [self._body or listed]
         if not self._body and len(names) != 1:
             raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
         for name in wanted:
             if name not in names:
-                raise DeviceFailed(f"The motion capture has no {name!r} among its {self._form.called}: {listed}.")
+                raise DeviceFailed(f"The motion capture has no {name!r} among its {self._called}: {listed}.")
         self._at = [names.index(name) for name in wanted]
 
     def _on_packet(self, packet: Any) -> None:
         """One packet, in the thread of the event loop."""
         arrival = self._clock.now()
         try:
-            pose = self._form.pose(packet, self._at)
+            pose = self._pose(packet, self._at)
             stamp = packet.timestamp / 1e6
         except Exception as error:  # a packet that makes no sense is a frame that is lost
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
