@@ -6,9 +6,10 @@ deadlines. A bare loop that does nothing runs beside it in a process of its own:
 meets.
 Printed, and drawn to out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
 
-    python benchmarks/operate_timing.py [--duration 600] [--plain]
+    python benchmarks/operate_timing.py [--duration 600] [--plain] [--twin] [--learning]
 
-With --plain neither loop has real-time priority.
+With --plain neither loop has real-time priority; with --twin the filter has its twin, as by the command, and with
+--learning another one learns beside the recording: compare it with --twin.
 
 Last answer: see docs/how-to/operate.md; docs/images/operate-timing.png is its picture.
 """
@@ -29,6 +30,7 @@ from _timing import print_load
 
 import laticauda as lc
 from laticauda.control import Following
+from laticauda.estimation import Learning
 from laticauda.figures import save_figure, timing_sheet
 from laticauda.operate.session import operate
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
@@ -58,6 +60,8 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--duration", type=float, default=600.0)
     parser.add_argument("--plain", action="store_true", help="without real-time priority")
+    parser.add_argument("--twin", action="store_true", help="with the filter's twin")
+    parser.add_argument("--learning", action="store_true", help="the same, and one that learns meanwhile")
     given = parser.parse_args()
     duration = given.duration
     if given.plain:
@@ -86,11 +90,13 @@ def main() -> None:
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
             # The run is to go on, however late the loop is.
             limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),
+            learning=Learning() if given.learning else None,
         )
+        twin = lc.plant(what.body(), what.pool(), joints="servo") if given.twin or given.learning else None
         words = [sys.executable, "-c", BARE, str(duration + 30.0), "plain" if given.plain else "urgent"]
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as told:
             bare = subprocess.Popen(words, stdout=told)
-            result = operate(what, Path(folder), clock=(clock := worker.Clock()))
+            result = operate(what, Path(folder), clock=(clock := worker.Clock()), twin=twin)
             offset = time.monotonic() - clock.now()
             bare.terminate()
             bare.wait()

@@ -8,7 +8,9 @@ from lab_parts import EXACT
 from operate.tank import DRAWN, IDLE, record
 
 import laticauda as lc
+from laticauda import operate
 from laticauda.cli import main
+from laticauda.estimation import Learned
 from laticauda.lab import Lab, Tank, VirtualRobot
 from laticauda.logs import load_trial
 from laticauda.protocol import bus_address
@@ -138,6 +140,22 @@ def test_it_prints_the_figures_and_writes_the_trial(file: Path, tmp_path: Path, 
     assert found["forward_velocity"] == trial.forward_velocity
     assert found["electrical_power"] == pytest.approx(35.0 * (DRAWN - IDLE))
     assert found["lost"] == "" and found["status"] == "The end of the tank."
+
+
+def test_what_was_learnt_is_told_and_learnt_again(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    log, told = operate.read_operation(file), {"value": {"normal_drag": 2.0}, "deviation": {"normal_drag": 0.1}}
+    learned = [Learned(time=1.0, changes=("The fin is gone.",), **told), Learned(time=2.5, **told)]
+    with operate.OperationRecorder(tmp_path / "a.mcap", log.header) as recorder:
+        for entry in (*log.entries, *learned):
+            recorder.record(entry)
+    assert main(["replay", str(tmp_path / "a.mcap")]) == 0
+    out = capsys.readouterr().out
+    assert "Learned: normal drag 2.0000 ± 0.1960." in out
+    assert "1.00 s: The fin is gone." in out
+    assert main(["replay", str(tmp_path / "a.mcap"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["learned"][1] == {"time": 2.5, "changes": [], **told}
+    assert main(["replay", str(file), "--learn"]) == 0
+    assert "Learned: nothing, of so few cycles." in capsys.readouterr().out
 
 
 def test_estimator_and_controller_run_again(file: Path, capsys: pytest.CaptureFixture[str]):

@@ -1,5 +1,6 @@
 """Operator and virtual tank on real wires: a CAN bus, the vendor's motion-capture client, a serial line, threads."""
 
+import itertools
 import json
 import math
 import os
@@ -16,9 +17,10 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import Following
+from laticauda.estimation import Learned, Learning
 from laticauda.fluid.waves import Sea
 from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
-from laticauda.operate import Event
+from laticauda.operate import Event, rerun_learner
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock, DeviceFailed
@@ -27,7 +29,7 @@ from laticauda.operate.recording.log import OperationRecorder, Sink, read_operat
 from laticauda.operate.series import run_series
 from laticauda.operate.session import header_of, operate, result_of, table
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
-from laticauda.operate.terminal import Keys
+from laticauda.operate.terminal import Keys, print_events
 from laticauda.protocol import NodeState, bus_address
 from laticauda.robot import Current
 
@@ -211,6 +213,43 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     assert len(again) == len(recorded) > 50
     assert all((a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True))
     assert rerun_controller(log).n_different == 0
+
+
+LEARNING = {
+    "gait": lc.lateral_undulation(
+        amplitude=math.radians(25), frequency=math.radians(180), phase_shift=math.radians(40)
+    ),
+    "following": None,
+    "duration": 9.5,
+    "estimator": "kinematics",
+    "learning": Learning(unknown=("normal_drag",), window=20.0),
+}
+
+
+def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_recording(tmp_path: Path, capsys):
+    what = operation(**LEARNING)
+    model = lc.plant(what.body(), what.pool(), joints="servo")
+    result = operate(what, tmp_path, tank=tank(current=(0.007, 0.0)), twin=model, show=print_events)
+    assert result.accepted, result.reason
+    log = read_operation(tmp_path / "session.mcap")
+    found = log.of(Learned)
+    assert [two.time - one.time for one, two in itertools.pairwise(found)] == pytest.approx([1.0] * (len(found) - 1))
+    last = found[-1]
+    assert list(last.value) == ["normal_drag", "play", "crab", "current_x", "current_y"]
+    assert last.value["current_x"] == pytest.approx(0.007, abs=0.006)
+    assert last.value["normal_drag"] == pytest.approx(what.pool().normal_drag, rel=0.2)
+    assert last.deviation["normal_drag"] < 0.15 * last.value["normal_drag"]
+    assert rerun_learner(log, lc.plant) == found
+    assert capsys.readouterr().err.count("learned       normal drag") == len(found)
+    assert f"  learned: {last.line}" in table(result.summary())
+    assert lc.load_trial(tmp_path / "session.nc").settings["learned"] == last.line
+
+
+def test_nothing_is_learnt_unless_it_is_asked_for_and_never_without_a_model(tmp_path: Path):
+    assert operation().learning is None
+    with pytest.raises(ValueError, match="`twin` must be given where `learning` is, got None"):
+        operate(operation(**LEARNING), tmp_path, tank=tank())
+    assert not list(tmp_path.iterdir())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from laticauda.estimation import Learning
 from laticauda.operate.settings import (
     Connection,
     Operation,
@@ -55,6 +56,18 @@ def test_a_trial_file_has_degrees_where_the_name_says_so():
     assert operation.following.controller(operation.gait).heading.gain == 0.4
 
 
+def test_a_table_says_that_a_twin_learns_and_what():
+    assert parse_operation(TRIAL).learning is None
+    assert parse_operation(f"{TRIAL}[learning]\n").learning == Learning()
+    told = "[learning]\nunknown = ['normal_drag', 'added_mass']\nwindow = 40\n"
+    assert parse_operation(TRIAL + told).learning == Learning(unknown=("normal_drag", "added_mass"), window=40.0)
+
+
+def test_nothing_is_learnt_in_depth():
+    with pytest.raises(OperationFileError, match="`learning`: must be left out in depth, where nothing is learnt"):
+        parse_operation(f"{TRIAL}path_depth = [0.5]\n[learning]\n")
+
+
 def test_a_series_file_puts_what_differs_over_what_is_common():
     series = parse_operation(SERIES)
     assert isinstance(series, SeriesFile)
@@ -91,6 +104,8 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
             r"key `connection.mocap_address`: must be HOST:PORT, with a port from 1",
         ),
         ("connection.meter_address = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
+        ("learning.window = 1", r"key `learning.window`: must be > 5 s, got 1"),
+        ("learning.unknown = ['drag']", r"key `learning.unknown\[0\]`: must be one of `normal_drag`, .* got 'drag'"),
         ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         ("calibration.still_speed = 'fast'", r"key `calibration.still_speed`: must be a number in m/s, got 'fast'"),
         ("start.heading = 0.1", r"key `start.position`: is missing; every Placement needs it"),

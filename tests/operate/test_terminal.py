@@ -3,6 +3,7 @@ import math
 import os
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 from operate.rig import run_of
@@ -10,6 +11,7 @@ from rich.console import Console
 
 import laticauda as lc
 from laticauda.control import Following
+from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Operation
 from laticauda.operate.terminal import EMERGENCY, STOP, Dashboard, Keys, Terminal, picture, print_events
@@ -125,6 +127,16 @@ def test_it_is_drawn_by_a_thread_that_ends():
     with Dashboard(WHAT) as dashboard:
         dashboard(run.state, run.outputs)
     assert not dashboard._live.is_started
+
+
+def test_only_what_was_learnt_last_stays_on_the_dashboard():
+    run = run_of(Operator(operation=WHAT))
+    learned = [Event(time=1.0 * k, kind="learned", message=f"normal drag {k}") for k in range(9)]
+    changed = Event(time=3.0, kind="changed", message="The fin is gone.")
+    dashboard = Dashboard(WHAT)
+    for event in (*learned[:3], changed, *learned[3:]):
+        dashboard(run.state, replace(run.outputs, entries=(event,)))
+    assert dashboard._events == (changed, learned[-1])
 
 
 def test_without_a_terminal_there_is_a_line_per_event(capsys):

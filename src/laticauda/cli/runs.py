@@ -263,7 +263,8 @@ class Replay(Recording):
     """Make a trial of a recorded operation, and print its figures.
 
     The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
-    goes. --estimate and --control run the recorded estimator and controller again on what was recorded.
+    goes. --estimate and --control run the recorded estimator and controller again on what was recorded, and --learn the
+    twin that learns.
 
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
@@ -272,6 +273,7 @@ class Replay(Recording):
     estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
     kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
     control: bool = option("Controller decides again, and compare its commands with the recorded", default=False)
+    learn: bool = option("Learn water, current and changes from the recorded samples, again or at all", default=False)
     plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png or .pdf)", default=None)
 
     def run(self) -> command.Outcome:
@@ -301,6 +303,11 @@ class Replay(Recording):
                 "largest_difference": rerun.largest_difference,
             }
             text.append(_sentence(rerun))
+        learned = operate.rerun_learner(log, simulate.plant) if self.learn else log.of(estimation.Learned)
+        if learned or self.learn:
+            facts["learned"] = [vars(one) for one in learned]
+            text.append(f"Learned: {learned[-1].line if learned else 'nothing, of so few cycles'}.")
+            text += [f"{one.time:.2f} s: {change}" for one in learned for change in one.changes]
         lost = f"laticauda: {log.lost}" if log.lost else ""
         return replace(self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost)
 

@@ -12,10 +12,11 @@ from typing import Any
 
 from laticauda import files, lab, logs, scenarios
 from laticauda.dynamics.plant import Plant
-from laticauda.errors import TrialFileError
+from laticauda.errors import BadArgument, TrialFileError
+from laticauda.estimation import Learner
 from laticauda.operate import drivers, loop, settings, terminal
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.course.state import OperatorState
+from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.recording import log, to_trial
 from laticauda.operate.recording.entries import Event, Header, Timing, punctuality
 from laticauda.operate.recording.log import OperationRecorder, Sink
@@ -79,6 +80,7 @@ class Result:
                 found |= {name: reached[name] for name in ("convergence_time", "steady_error", "ripple")}
         parts = {"timing": self.timing, "verdict": self.verdict}
         found |= {"notes": list(self.notes), "aftermath": self.aftermath}
+        found["learned"] = None if trial is None else trial.settings.get("learned")
         found["recording"] = None if self.recording is None else str(self.recording)
         return found | {name: None if part is None else part.summary() for name, part in parts.items()}
 
@@ -102,6 +104,7 @@ def header_of(operator: Operator, text: str = "") -> Header:
         controller=None if how.following is None else how.controller(),
         estimator=operator.estimator,
         supply_voltage=how.supply_voltage,
+        learning=how.learning,
         operation=text,
     )
 
@@ -144,12 +147,13 @@ def operate(
         DeviceFailed: If a device cannot be reached.
         StorageFailed: If the recording cannot be written at the start.
         RuntimeError: If an operation of a tank is never done.
+        ValueError: If something is to be learnt, and there is no `twin`, or nothing can be learnt with it.
     """
     if folder is not None:
         operation = replace(operation, name=_free_name(operation.name, folder))
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
-    keys = keys or terminal.Keys()
+    keys, learner = keys or terminal.Keys(), _learner(operator)
     path = None if folder is None else folder / f"{operation.name}.mcap"
     with ExitStack() as stack:
         sink, longest = None, math.inf
@@ -161,9 +165,10 @@ def operate(
         if path is not None:
             files.local(path).parent.mkdir(parents=True, exist_ok=True)
             if tank is None:
-                sink = stack.enter_context(Writer(path, header, frames=frames))
+                sink = stack.enter_context(Writer(path, header, frames=frames, learner=learner))
             else:
-                sink = Sink(stack.enter_context(OperationRecorder(path, header)), frames=frames)
+                sink = Sink(stack.enter_context(OperationRecorder(path, header)), frames=frames, learner=learner)
+            show = show and _with_news(show, sink)
         state, timing = loop.run_loop(
             operator, devices, keys=lambda _: keys.events, sink=sink, show=show, longest=longest
         )
@@ -174,6 +179,26 @@ def operate(
     if verdict is None and path is not None and state.begun is not None:
         state = replace(state, notes=(*state.notes, "Nobody looked through the run yet: `laticauda replay` does."))
     return result_of(operator, state, path, timing, verdict)
+
+
+def _learner(operator: Operator) -> Learner | None:
+    """What learns from the recording, if anything is to be learnt."""
+    how, twin = operator.operation, operator.twin
+    if how.learning is None:
+        return None
+    if twin is None:
+        raise BadArgument("twin", "must be given where `learning` is, got None")
+    return Learner(settings=how.learning, robot=operator.robot, plant=twin, mount=how.calibration.mount)
+
+
+def _with_news(show: loop.Show, sink: Sink | Writer) -> loop.Show:
+    """The same, with what was learnt meanwhile among the entries."""
+
+    def shown(state: OperatorState, outputs: Outputs) -> None:
+        news = [sink.news.popleft() for _ in range(len(sink.news))]
+        show(state, replace(outputs, entries=(*outputs.entries, *news)))
+
+    return shown
 
 
 def _spoken(operation: settings.Operation, path: Path, twin: Plant[Any] | None) -> Verdict | None:
@@ -277,6 +302,7 @@ def table(summary: Mapping[str, Any]) -> str:
     if summary.get("timing"):
         lines.append(f"  loop: {punctuality(summary['timing'])}")
     lines += [f"  {line}" for line in summary["verdict"]["lines"]] if summary.get("verdict") else []
+    lines += [f"  learned: {summary['learned']}"] if summary.get("learned") else []
     lines += [f"  note: {note}" for note in summary.get("notes", ())]
     if summary.get("aftermath"):
         lines.append(f"  note: {summary['aftermath']}")

@@ -253,6 +253,7 @@ class Operation:
     calibration: Calibration = option("what is measured before", default_factory=Calibration)
     limits: Limits = option("what the supervisor accepts", default_factory=Limits)
     acceptance: Acceptance = option("what a run is accepted with", default_factory=Acceptance)
+    learning: estimation.Learning | None = option("what a twin learns meanwhile; None: nothing", default=None)
 
     def __post_init__(self) -> None:
         """Check what depends on two fields, and the name."""
@@ -261,6 +262,8 @@ class Operation:
         if self.supply_voltage is None and self.connection.meter_address:
             rule = "must be given in V beside a power meter, whose current it turns into power, got None"
             raise BadArgument("supply_voltage", rule)
+        if self.learning is not None and self.in_space:
+            raise BadArgument("learning", "must be left out in depth, where nothing is learnt")
 
     @property
     def in_space(self) -> bool:

@@ -168,7 +168,9 @@ class Dashboard:
             self._latest = max(self._latest, self._late[-1])
         events = tuple(event for event in outputs.events if event.kind != "phase")
         if events:
-            self._events = (*self._events, *events)[-LAST_EVENTS:]
+            outdated = {"learned"} & {event.kind for event in events}
+            kept = (event for event in self._events if event.kind not in outdated)
+            self._events = (*kept, *events)[-LAST_EVENTS:]
 
     def _drawn(self) -> Any:
         if self._state is None:

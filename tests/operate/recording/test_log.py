@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from estimation.swims import jammed, samples, swum
 
 import laticauda as lc
 from laticauda.errors import TrialFileError
-from laticauda.estimation import Estimate, KinematicEstimator
+from laticauda.estimation import Estimate, KinematicEstimator, Learned, Learner, Learning, ReferenceSample
 from laticauda.interfaces import Command, Controller
 from laticauda.logs import open_recording
 from laticauda.operate import (
@@ -21,8 +22,10 @@ from laticauda.operate import (
     read_operation,
     rerun_controller,
     rerun_estimator,
+    rerun_learner,
 )
 from laticauda.operate.drivers.can import Frame
+from laticauda.operate.recording.entries import header_from_texts
 from laticauda.operate.recording.log import Sink
 from laticauda.scenarios import Experiment
 
@@ -72,6 +75,66 @@ def test_an_error_without_words_is_named(tmp_path: Path):
         sink = Sink(recorder)
         sink.keep(0.1, (READING,))
         assert sink.trouble == "OSError"
+
+
+def test_a_sink_keeps_what_is_learnt_behind_the_sample_that_taught_it_and_tells_it(tmp_path: Path):
+    water, settings = lc.load_water("paper-lateral"), Learning(unknown=())
+    learner = Learner(settings=settings, robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo"))
+    with OperationRecorder(tmp_path / "a.mcap", replace(HEADER, learning=settings)) as recorder:
+        sink = Sink(recorder, learner=learner)
+        for sample in samples(jammed(swum((ROBOT, water, 10.5)), begin=6.0)):
+            sink.keep(sample.time, (READING, sample))
+    log = read_operation(tmp_path / "a.mcap")
+    (at,) = [k for k, entry in enumerate(log.entries) if isinstance(entry, Learned)]
+    before, learned, changed = log.entries[at - 1 : at + 2]
+    assert isinstance(before, ReferenceSample)
+    assert before.time > learned.time + 0.3
+    assert (changed.kind, changed.message) == ("changed", learned.changes[0])
+    assert changed.time == pytest.approx(before.time)
+    assert [(event.kind, event.message) for event in sink.news] == [
+        ("learned", learned.line),
+        ("changed", changed.message),
+    ]
+    assert rerun_learner(log, lc.plant) == [learned]
+    assert rerun_learner(log, lc.plant, replace(settings, stuck=0.95))[0].time < learned.time
+
+
+class Failing(Learner):
+    def init(self):
+        return None
+
+    def step(self, state, sample):
+        raise ZeroDivisionError("a slip")
+
+
+def test_a_learner_that_fails_ends_no_recording_and_is_said(tmp_path: Path):
+    wrong = Failing(robot=ROBOT, plant=lc.plant(ROBOT, lc.load_water("paper-lateral"), joints="servo"))
+    samples = [ReferenceSample(time=0.1 * k, angle=np.zeros(8)) for k in range(3)]
+    with OperationRecorder(tmp_path / "a.mcap", HEADER) as recorder:
+        sink = Sink(recorder, learner=wrong)
+        for sample in samples:
+            sink.keep(sample.time, (sample, READING))
+        assert sink.trouble == ""
+        (said,) = sink.news
+    assert (said.kind, said.message) == ("changed", "Nothing is learnt any more: a slip")
+    found = read_operation(tmp_path / "a.mcap").entries
+    assert [type(entry).__name__ for entry in found] == ["ReferenceSample", "PowerReading"] * 3
+
+
+def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing_of_it(tmp_path: Path):
+    names = ("normal_drag", "current_x")
+    told = {"deviation": dict.fromkeys(names, 0.1), "changes": ("The fin is gone.", "It is.")}
+    learned = Learned(time=1.25, value=dict.fromkeys(names, 1.0 / 3.0), **told)
+    header = replace(HEADER, learning=Learning(unknown=("added_mass",), window=30.0))
+    with OperationRecorder(tmp_path / "a.mcap", header) as recorder:
+        recorder.record(learned)
+        recorder.record(replace(learned, changes=()))
+    log = read_operation(tmp_path / "a.mcap")
+    assert log.entries == (learned, replace(learned, changes=()))
+    assert log.header == header
+    assert "/learned/current_x" in open_recording(tmp_path / "a.mcap").topics
+    older = {name: text for name, text in HEADER.texts().items() if name != "learning"}
+    assert header_from_texts(older).learning is None
 
 
 @pytest.mark.parametrize(

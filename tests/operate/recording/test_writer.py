@@ -7,12 +7,13 @@ import time
 from pathlib import Path
 
 import pytest
+from estimation.swims import jammed, samples, swum
 from patience import until
 
 import laticauda as lc
 from laticauda.errors import StorageFailed
-from laticauda.estimation import KinematicEstimator
-from laticauda.operate import Event, Header, PowerReading, read_operation
+from laticauda.estimation import KinematicEstimator, Learned, Learner, Learning
+from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_learner
 from laticauda.operate.recording.writer import Writer
 from laticauda.scenarios import Experiment
 
@@ -35,6 +36,21 @@ def test_what_is_kept_is_in_the_file_once_it_is_closed(tmp_path: Path):
             writer.keep(reading.time, (reading,))
         assert not writer.trouble
     assert read_operation(tmp_path / "a.mcap").of(PowerReading) == found
+
+
+def test_what_is_learnt_in_the_writers_program_is_in_the_file_and_told(tmp_path: Path):
+    water = lc.load_water("paper-lateral")
+    learner = Learner(settings=Learning(unknown=()), robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo"))
+    given = list(samples(jammed(swum((ROBOT, water, 10.5)), begin=6.0)))
+    with Writer(tmp_path / "a.mcap", HEADER, learner=learner) as writer:
+        for sample in given:
+            writer.keep(sample.time, (sample,))
+    (learned,) = read_operation(tmp_path / "a.mcap").of(Learned)
+    assert learned.changes[0].startswith("Joint 4 is stuck")
+    assert [event.kind for event in writer.news] == ["learned", "changed"]
+    assert [event.message for event in writer.news] == [learned.line, *learned.changes]
+    again = rerun_learner(read_operation(tmp_path / "a.mcap"), lc.plant, Learning(unknown=()))
+    assert again == [learned]
 
 
 def test_a_file_that_is_there_is_refused_at_the_start(tmp_path: Path):

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
-from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
+from laticauda.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import ros2
@@ -86,7 +86,7 @@ class Tick:
         return self.began
 
 
-Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick
+Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick | Learned
 """What is recorded of an operation, besides the raw frames of the bus."""
 
 
@@ -152,10 +152,11 @@ TOPICS: Mapping[str, type[Any]] = {
     "/estimate": Estimate,
     "/command": Decision,
     "/loop/tick": Tick,
+    "/learned": Learned,
 }
 """Where entries are recorded that are messages of their own type, with the fields of their class."""
 TOPIC_OF = {kind: topic for topic, kind in TOPICS.items()}
-_JSON = {interfaces.Command: "string", Mapping[str, float]: "string"}
+_JSON = dict.fromkeys((interfaces.Command, Mapping[str, float], tuple[str, ...]), "string")
 _PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
 """ROS types of fields by those of Python; all others are arrays."""
 
@@ -228,6 +229,7 @@ class Header:
     estimator: Estimators | None = option("where the robot is, for a replay; its plant is kept as `twin`", default=None)
     twin: Experiment | None = option("how the estimator's digital twin was made; None without one", default=None)
     supply_voltage: float | None = quantity("V", "V of (4); None without a power meter", gt=0.0, default=None)
+    learning: estimation.Learning | None = option("what a twin learnt meanwhile; None: nothing", default=None)
     operation: str = option("the trial file as it was read", default="")
 
     def __post_init__(self) -> None:
@@ -246,7 +248,7 @@ class Header:
 
 
 def header_from_texts(texts: Mapping[str, str]) -> Header:
-    """The header that `Header.texts` made texts of; it equals that one.
+    """The header that `Header.texts` made texts of; it equals that one. Older ones have no `learning`.
 
     Args:
         texts: Of `FORMAT`.
@@ -256,6 +258,7 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
         BadKey: If one is not as it may be.
         ValueError: Likewise.
     """
+    texts = {"learning": "null", **texts}
     return Header(**{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()})
 
 

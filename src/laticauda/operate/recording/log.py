@@ -7,6 +7,7 @@ docs/how-to/recordings.md lists the topics.
 
 import json
 import math
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +18,9 @@ import numpy as np
 from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance, not_negative
-from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
+from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, Sample, StateEstimator
+from laticauda.estimation.learning import Learned, Learner, Learning
+from laticauda.estimation.samples import Mount
 from laticauda.kinematics import to_quaternion, turn
 from laticauda.logs.recording import failures_of
 from laticauda.operate.drivers.base import Frame
@@ -26,7 +29,7 @@ from laticauda.operate.recording.entries import Decision, Entry, Event, Header, 
 
 CHUNK = 0.5  # what is lost at most when the program is killed [s]
 RECEIVED, SENT = "/can/received", "/can/sent"
-LEVELS = {"fault": "error", "rejected": "warning"}
+LEVELS = {"fault": "error", "rejected": "warning", "changed": "warning"}
 NOTES = {"idle_current": "idle", "settling": "initial"}
 """Events whose data are noted, too, and under which name."""
 
@@ -92,6 +95,9 @@ class OperationRecorder(logs.Recorder):
             case Decision():
                 for name, value in entry.signals.items():
                     self.scalar(f"/control/{name}", time, value, unit="SI")
+            case Learned():
+                for name, value in entry.value.items():
+                    self.scalar(f"/learned/{name}", time, value, unit="SI")
             case _:
                 pass
 
@@ -112,13 +118,17 @@ class Sink:
     Args:
         recorder: Open; it stays open.
         frames: Whether the raw frames of the bus are kept, which are most of a recording.
+        learner: What learns from it meanwhile, and is recorded, too; None: nothing does.
     """
 
     trouble = ""
     """Why nothing is recorded any more; "" as long as it is."""
 
-    def __init__(self, recorder: OperationRecorder, *, frames: bool = True) -> None:
-        self._recorder, self._frames = recorder, frames
+    def __init__(self, recorder: OperationRecorder, *, frames: bool = True, learner: Learner | None = None) -> None:
+        self._recorder, self._frames, self._learner = recorder, frames, learner
+        self._state: Any = None if learner is None else learner.init()
+        self.news = deque[Event]()
+        """What was learnt and what has changed, for whoever takes it away to show it."""
 
     def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
         """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
@@ -130,8 +140,24 @@ class Sink:
                     self._recorder.record(entry, received=now)
                 if isinstance(entry, Event) and entry.kind in NOTES and entry.data:
                     self._recorder.note(NOTES[entry.kind], entry.data)
+                if self._learner is not None and isinstance(entry, Sample):
+                    self._learn(self._learner, now, entry)
         except Exception as error:
             self.trouble = str(error) or type(error).__name__
+
+    def _learn(self, learner: Learner, now: float, sample: Sample) -> None:
+        """Keep what a sample teaches; nothing depends on it, so that an error ends it, and no more."""
+        try:
+            self._state = learner.step(self._state, sample)
+        except Exception as error:
+            self._learner = None
+            self.news.append(Event(time=now, kind="changed", message=f"Nothing is learnt any more: {error}"))
+            return
+        if (learned := self._state.learned) is not None:
+            changes = [Event(time=now, kind="changed", message=change) for change in learned.changes]
+            for entry in (learned, *changes):
+                self._recorder.record(entry, received=now)
+            self.news.extend((Event(time=now, kind="learned", message=learned.line), *changes))
 
 
 # ---- reading it again ------------------------------------------------------------------------------------------------
@@ -266,12 +292,35 @@ def rerun_estimator(
     state = chosen.init()
     found: list[Estimate] = []
     for entry in log.entries:
-        if isinstance(entry, PoseSample | JointSample | ReferenceSample):
+        if isinstance(entry, Sample):
             state = chosen.step(state, entry)
         elif isinstance(entry, Estimate):
             estimate = chosen.estimate(state, entry.time)
             if estimate is not None:
                 found.append(estimate)
+    return found
+
+
+def rerun_learner(
+    log: OperationLog, plant: Callable[..., Plant[Any]], settings: Learning | None = None
+) -> list[Learned]:
+    """What a twin learns from the recorded samples: of a recording with what was learnt the same, bit for bit.
+
+    Args:
+        log: The recording.
+        plant: `laticauda.plant`, which makes the twin.
+        settings: What is learnt; None: as it was recorded, or else the usual.
+
+    Raises:
+        ValueError: If nothing can be learnt of such a robot.
+    """
+    run, mount = log.header.run, getattr(log.header.estimator, "mount", Mount())
+    twin = plant(run.robot, run.environment, joints="servo")
+    learner = Learner(settings=settings or log.header.learning or Learning(), robot=run.robot, plant=twin, mount=mount)
+    state, found = learner.init(), list[Learned]()
+    for sample in (entry for entry in log.entries if isinstance(entry, Sample)):
+        state = learner.step(state, sample)
+        found += [] if state.learned is None else [state.learned]
     return found
 
 

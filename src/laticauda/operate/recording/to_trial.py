@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import TrialFileError, not_negative
-from laticauda.estimation import Estimate, JointSample, ReferenceSample
+from laticauda.estimation import Estimate, JointSample, Learned, ReferenceSample
 from laticauda.interfaces import Observation
 from laticauda.logs.loading import interpolated
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
@@ -75,11 +75,15 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
         work = work + metrics.joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
     end = next((one for one in log.of_run(Event) if one.kind in ("stop", "fault")), None)
     wrong = [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
+    learned: list[Learned] = log.of(Learned)
+    notes = {"learned": learned[-1].line} if learned else {}
     counts = end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True
     return Trial.measured(
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
         signals={**_signals(log, time, run), **fin},
-        scenario=replace(log.header.run, notes={"source": "recording", **power_source, **log.header.run.notes}),
+        scenario=replace(
+            log.header.run, notes={"source": "recording", **power_source, **notes, **log.header.run.notes}
+        ),
         version=log.version,
         status=wrong[0].message if wrong else end.message if end is not None else "The recording reached its end.",
         succeeded=counts and not (wrong or log.lost),

@@ -4,21 +4,22 @@ The loop puts what it has into a pipe, as far as there is room, and never waits.
 ends: also when that of the loop was killed.
 """
 
-import json
 import os
 import pickle
 import signal
 import subprocess
 import sys
 import threading
+from collections import deque
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, cast
 
 from laticauda.errors import LaticaudaError, StorageFailed
+from laticauda.estimation import Learner
 from laticauda.operate.drivers.base import Frame
-from laticauda.operate.recording.entries import Entry, Header
+from laticauda.operate.recording.entries import Entry, Event, Header
 from laticauda.operate.recording.log import OperationRecorder, Sink
 
 MOST_WAITING = 1 << 26  # bytes that the pipe did not take yet; beyond them, the disk does not keep up
@@ -31,6 +32,7 @@ class Writer(AbstractContextManager["Writer"]):
         path: The file; an older one is never replaced.
         header: What is known at the start; it is on disk at once.
         frames: Whether the raw frames of the bus are kept.
+        learner: What learns from it meanwhile, in that program, too; None: nothing does.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written.
@@ -39,20 +41,20 @@ class Writer(AbstractContextManager["Writer"]):
     trouble = ""
     """Why nothing is recorded any more; "" as long as it is."""
 
-    def __init__(self, path: Path, header: Header, *, frames: bool = True) -> None:
+    def __init__(self, path: Path, header: Header, *, frames: bool = True, learner: Learner | None = None) -> None:
+        self.news = deque[Event]()
+        """See `Sink`."""
         code = f"from {__name__} import main; main()"
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
         # In a session of its own: Ctrl-C is for the operator, and this goes on until there is nothing more to write.
         self._process: Any = subprocess.Popen([sys.executable, "-P", "-c", code], start_new_session=True, **pipes)
         self._pipe, self._waiting = self._process.stdin.fileno(), bytearray()
         self._listener = threading.Thread(target=self._listen, name="recording", daemon=True)
-        self._send((path, header, frames))
-        said = self._process.stdout.readline()
-        if said != b'""\n':
+        self._send((path, header, frames, learner))
+        said = _heard(self._process.stdout)
+        if said != "":
             self.close()
-            raise StorageFailed(
-                json.loads(said) if said else "The program that is to write the recording does not begin."
-            )
+            raise StorageFailed(said or "The program that is to write the recording does not begin.")
         os.set_blocking(self._pipe, False)
         self._listener.start()
 
@@ -88,8 +90,11 @@ class Writer(AbstractContextManager["Writer"]):
             self._waiting.clear()
 
     def _listen(self) -> None:
-        for line in self._process.stdout:
-            self.trouble = json.loads(line)
+        while (said := _heard(self._process.stdout)) is not None:
+            if isinstance(said, str):
+                self.trouble = said
+            else:
+                self.news.extend(said)
 
     def __exit__(self, *_: object) -> None:
         """Close it."""
@@ -100,26 +105,34 @@ def main() -> None:
     """What that program does: where to, the header and whether raw frames count come first, then tick after tick."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = sys.stdin.buffer
-    path, header, frames = cast("tuple[Path, Header, bool]", pickle.load(given))
+    path, header, frames, learner = cast("tuple[Path, Header, bool, Learner | None]", pickle.load(given))
     try:
         with OperationRecorder(path, header) as recorder:
+            sink = Sink(recorder, frames=frames, learner=learner)
             _say("")
-            _write(Sink(recorder, frames=frames), given)
+            _write(sink, given)
     except (LaticaudaError, OSError) as error:
         _say(str(error))
 
 
 def _write(sink: Sink, given: Any) -> None:
     """Write ticks until there are no more."""
-    while True:
-        try:
-            now, found = pickle.load(given)
-        except (EOFError, pickle.UnpicklingError):  # it was killed in the midst of one
-            return
-        sink.keep(now, found)
+    while (tick := _heard(given)) is not None:
+        sink.keep(*tick)
         if sink.trouble:
             _say(sink.trouble)
+        if sink.news:
+            _say(tuple(sink.news))
+            sink.news.clear()
 
 
-def _say(trouble: str) -> None:
-    os.write(sys.stdout.fileno(), f"{json.dumps(trouble)}\n".encode())
+def _say(what: object) -> None:
+    os.write(sys.stdout.fileno(), pickle.dumps(what))
+
+
+def _heard(stream: Any) -> Any:
+    """What the other program said next; None if it has ended, or was killed in the midst of it."""
+    try:
+        return pickle.load(stream)
+    except (EOFError, pickle.UnpicklingError):
+        return None
