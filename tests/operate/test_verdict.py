@@ -380,3 +380,102 @@ def test_without_a_model_half_of_the_swing_about_an_offset_may_be_missing(truth)
     log = log_of(truth, angle=0.3 + 0.6 * truth.joint_angle_ref)
     entries = [replace(one, angle=one.angle + 0.3) if isinstance(one, ReferenceSample) else one for one in log.entries]
     assert judged(replace(log, entries=tuple(entries)), plant=None)["joint_error"].share < 0.2
+
+
+def until_cycle(log: OperationLog, n: float) -> OperationLog:
+    """The same as if it had been stopped with the sample that ends a cycle."""
+    end = BEFORE + 3.0 * n
+    entries = tuple(one for one in log.entries if one.time <= end + 1e-9)
+    return replace(log, entries=(*entries, Event(time=end, kind="stop", message="", data={"clock": 0.52})))
+
+
+def test_a_cycle_counts_with_its_last_sample_and_turning_from_six_of_them_on(truth):
+    log = log_of(truth)
+    two, less, six = (words(judged(until_cycle(log, n))) for n in (2.0, 2.0 - STEP / 3.0, 6.0))
+    assert (two["speed_change"], less["speed_change"]) == ("ok", "not checked")
+    assert (two["turn_change"], six["turn_change"]) == ("not checked", "ok")
+
+
+def test_of_a_clock_a_second_counts_at_least(truth):
+    drift = judged(until_cycle(log_of(truth), 0.1))["clock_drift"]
+    assert drift.value == pytest.approx(0.01)
+
+
+def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_frequency(truth, monkeypatch):
+    monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 20.0)
+    log, first = log_of(truth), True
+    entries = []
+    for one in log.entries:
+        if isinstance(one, ReferenceSample) and first:
+            one, first = replace(one, frequency=0.0), False
+        entries.append(one)
+    assert words(judged(replace(log, entries=tuple(entries))))["turn_change"] == "ok"
+
+
+@pytest.mark.parametrize(("n", "word"), [(1, "not checked"), (2, "ok")])
+def test_two_references_are_enough_for_a_model(truth, n, word):
+    log, kept, entries = log_of(truth), 0, []
+    for one in log.entries:
+        kept += isinstance(one, ReferenceSample)
+        if not isinstance(one, ReferenceSample) or kept <= n:
+            entries.append(one)
+    assert words(judged(replace(log, entries=tuple(entries)), swing_error=1e9))["swing_error"] == word
+
+
+def test_a_handful_of_frames_says_nothing_of_the_markers(truth):
+    log, kept, entries = log_of(truth), 0, []
+    for one in log.entries:
+        kept += isinstance(one, PoseSample)
+        if not isinstance(one, PoseSample) or kept <= 5:
+            entries.append(one)
+    assert words(judged(replace(log, entries=tuple(entries))))["marker_jump"] == "not checked"
+
+
+def rough_log(truth) -> OperationLog:
+    """A run with noise, gaps and much that changes: every number of its verdict is one of its own."""
+    random = np.random.default_rng(7)
+    n, t = len(truth.time), truth.time
+    angle = truth.joint_angle + random.normal(0.0, 0.004, truth.joint_angle.shape)
+    angle[:, 4] *= 1.0 - 0.05 * t / t[-1]
+    yaw = 2.0 + random.normal(0.0, 0.01, n) + 0.02 * np.sin(0.3 * t) + np.where(t < 13.0, 0.0, 0.03)
+    log = log_of(truth, angle=angle, yaw=yaw, moved=0.002 * t**1.5, clock=0.013, unset=2, still=0.004)
+    c, s = math.cos(2.0), math.sin(2.0)
+    entries = []
+    for one in log.entries:
+        if isinstance(one, Estimate):
+            k = round(max(one.time - BEFORE, 0.0) / STEP)
+            place = np.array([[c, -s], [s, c]]) @ (one.center_of_mass * (1.0 + 0.1 * (k > 700)))
+            one = replace(one, center_of_mass=place, age=0.01 + 0.0001 * (k % 50))
+        if isinstance(one, PoseSample) and random.random() < 0.2:
+            continue
+        if isinstance(one, JointSample) and 10.0 < one.time < 10.3:
+            continue
+        entries.append(one)
+    return replace(log, entries=tuple(entries))
+
+
+ROUGH = {
+    "joint_error": 0.016144689415124744,
+    "angle_jump": 0.023834910975382758,
+    "marker_jump": 0.018157364156439648,
+    "swing_error": 0.03133216768790814,
+    "speed_change": 0.4876276761742945,
+    "sideslip_change": 0.08404507447299396,
+    "turn_change": 0.011134944096909693,
+    "model_speed": 0.09345137369184385,
+    "pose_age": 0.0124,
+    "clock_drift": 0.013 / 24.02 - 0.01 / 24.02,
+    "water_speed": 0.003997670355270822,
+    "without_zero": 2.0,
+}
+"""What the verdict said of it on 2026-11-23, once everything else here held."""
+
+
+def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
+    verdict = verdict_of(rough_log(truth), Acceptance(), PLANT)
+    assert {one.name: one.value for one in verdict.checks} == pytest.approx(ROUGH, rel=1e-6)
+    assert [one.name for one in verdict.checks if one.word != "ok"] == ["speed_change", "without_zero"]
+    assert verdict.checks[4].since == pytest.approx(15.0)
+    assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 6"]
+    bare = verdict_of(rough_log(truth), Acceptance(), None)
+    assert bare.checks[0].value == pytest.approx(0.0028545947679231554, rel=1e-6)
