@@ -13,6 +13,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 SCRIPT = """
 import sys
 from pathlib import Path
+sys.path[:0] = sys.argv[2:]
 import laticauda as lc
 from laticauda.compiling import ready
 gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
@@ -33,10 +34,10 @@ class ReadyKernels(BuildHookInterface):
         if version == "editable":
             return
         self.folder = folder = Path(tempfile.mkdtemp(prefix="laticauda-ready-"))
-        path = os.pathsep.join([str(Path(self.root, "src")), *filter(None, sys.path)])  # that of an isolated build
-        own = {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(folder / "cache")}
-        own |= {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
-        done = subprocess.run([sys.executable, "-c", SCRIPT, str(folder)], env={**os.environ, **own})
+        own = {"NUMBA_CACHE_DIR": str(folder / "cache"), "NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
+        # Not by PYTHONPATH: where pip's own Python has these sources installed to be edited, its isolation drops them.
+        paths = [str(Path(self.root, "src")), *filter(None, sys.path)]
+        done = subprocess.run([sys.executable, "-c", SCRIPT, str(folder), *paths], env={**os.environ, **own})
         if done.returncode:
             self.app.display_warning("no kernels in this wheel: the first run will compile them")
         for one in folder.glob("*.code"):
