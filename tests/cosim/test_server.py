@@ -4,16 +4,10 @@ import time
 
 import pytest
 from cosim_client import Client
+from patience import until
 
 from laticauda.cosim import MESSAGE_BYTES, Server
 from laticauda.cosim.server import ServerFailed
-
-
-def eventually(holds):
-    end = time.monotonic() + 20.0
-    while not holds():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def test_every_client_has_a_world_of_its_own(connect):
@@ -37,7 +31,7 @@ def test_a_hundred_megabytes_without_an_end_of_line_harm_nobody_else(connect, se
                 assert "observation" in good.ask("step", duration=0.05)
     except OSError:
         pass  # it was let go before the end
-    eventually(lambda: len(server._clients) == 1)
+    until(lambda: len(server._clients) == 1)
     assert "observation" in good.ask("step", duration=0.05)
     assert "observation" in connect().ask("reset")
 
@@ -92,7 +86,7 @@ def test_a_client_that_dies_harms_nobody_and_makes_room(connect, server):
         bad.wire.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
         bad.close()
         assert "observation" in good.ask("step", duration=0.05)
-    eventually(lambda: len(server._clients) == 1)
+    until(lambda: len(server._clients) == 1)
 
 
 def test_a_client_that_never_reads_holds_up_nobody(connect):
@@ -120,7 +114,7 @@ def test_one_client_too_many_is_told_to_come_back(connect, server):
     assert late.heard() == {"error": "The server has its 6 clients; come back later."}
     assert late.is_let_go()
     clients[0].close()
-    eventually(lambda: len(server._clients) == 5)
+    until(lambda: len(server._clients) == 5)
     assert "observation" in connect().ask("reset")
 
 
@@ -159,7 +153,7 @@ def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
         stranger.stream.flush()
         assert stranger.is_let_go()
         stranger.close()
-        eventually(lambda: not server._clients)
+        until(lambda: not server._clients)
         known = Client(server.port)
         assert "observation" in known.ask("reset", token=server.door.token)
         time.sleep(0.4)

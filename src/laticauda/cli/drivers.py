@@ -19,7 +19,7 @@ class Drivers(command.Command):
 
     bus: str | None = option("Try this modules' bus: [DRIVER@]ADDRESS, as in a trial file", default=None)
     mocap: str | None = option("Try this motion capture, likewise", default=None)
-    body: str | None = option("Its rigid body; the only one if left out", default=None)
+    body: str | None = option("Its body, as in a trial file; the only one if left out", default=None)
     meter: str | None = option("Try this power meter, likewise", default=None)
     stop: str | None = option("Try this emergency-stop input, likewise", default=None)
     duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)

@@ -16,11 +16,10 @@ import numpy as np
 from laticauda.angles import from_quaternion
 from laticauda.estimation import PoseSample
 from laticauda.operate.drivers.base import MotionCapture, host_and_port
-from laticauda.protocol.qtm import BodyPose, body_pose
+from laticauda.protocol.qtm import LOST, BodyPose, body_pose
 from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
 CONNECT_TIME = 5.0  # [s, wall clock]
-LOST = np.full(3, np.nan)
 
 
 def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
@@ -59,8 +58,11 @@ def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
     return body_pose((*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist()))
 
 
-FORMS = {"6d": ("bodies", "6dres", _of_body), "3d": ("markers", "3dres", _of_markers)}
-FORMS["skeleton"] = ("segments", "skeleton", _of_segment)
+FORMS = {
+    "6d": ("bodies", "6dres", _of_body),
+    "3d": ("markers", "3dres", _of_markers),
+    "skeleton": ("segments", "skeleton", _of_segment),
+}
 """What a body may be, by what QTM calls its parameters: in words, as a component of a packet, and where it is."""
 
 
@@ -117,8 +119,7 @@ class MocapDriver(MotionCapture):
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
-            components = [self._component]
-            stream = link.stream_frames(frames="allframes", components=components, on_packet=self._on_packet)
+            stream = link.stream_frames(frames="allframes", components=[self._component], on_packet=self._on_packet)
             begun = asyncio.ensure_future(stream)
             # Nobody waits for its answer: frames that come, or do not, say the same.
             begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
