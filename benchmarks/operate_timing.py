@@ -6,10 +6,10 @@ deadlines. A bare loop that does nothing runs beside it in a process of its own:
 meets.
 Printed, and drawn to out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
 
-    python benchmarks/operate_timing.py [--duration 600] [--plain] [--twin] [--learning]
+    python benchmarks/operate_timing.py [--duration 600] [--plain] [--learning]
 
-With --plain neither loop has real-time priority; with --twin the filter has its twin, as by the command, and with
---learning another one learns beside the recording: compare it with --twin.
+With --plain neither loop has real-time priority; with --learning a second twin learns beside the recording. The filter
+has its twin, as by the command.
 
 Last answer: see docs/how-to/operate.md; docs/images/operate-timing.png is its picture.
 """
@@ -60,8 +60,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--duration", type=float, default=600.0)
     parser.add_argument("--plain", action="store_true", help="without real-time priority")
-    parser.add_argument("--twin", action="store_true", help="with the filter's twin")
-    parser.add_argument("--learning", action="store_true", help="the same, and one that learns meanwhile")
+    parser.add_argument("--learning", action="store_true", help="with a twin that learns meanwhile")
     given = parser.parse_args()
     duration = given.duration
     if given.plain:
@@ -86,13 +85,13 @@ def main() -> None:
                 mocap_address=at["qtm"],
                 meter_address=at["meter"],
             ),
-            tank=CaptureVolume(volume_x=(-1.0, 11.0)),
+            tank=CaptureVolume(volume_x=(-1.0, 99.0)),
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
             # The run is to go on, however late the loop is.
             limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),
             learning=Learning() if given.learning else None,
         )
-        twin = lc.plant(what.body(), what.pool(), joints="servo") if given.twin or given.learning else None
+        twin = lc.plant(what.body(), what.pool(), joints="servo")
         words = [sys.executable, "-c", BARE, str(duration + 30.0), "plain" if given.plain else "urgent"]
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as told:
             bare = subprocess.Popen(words, stdout=told)
