@@ -11,6 +11,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from importlib import import_module
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,6 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.errors import MissingExtra
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.robot import PectoralFin
 
@@ -145,6 +145,7 @@ def scenarios() -> Mapping[str, Callable[[], Any]]:
 def batch(device: str, robot: Any, count: int) -> lc.Swims:
     """Trials side by side, prescribed joints and servos, one water that makes its trial diverge."""
     if device == "cuda":
+        import_module("laticauda_cuda")
         body = robot.planar()
         robot = replace(body, modules=body.modules[:3], joints=body.joints[:2])
     gaits = [replace(EEL, amplitude=0.2 + 0.03 * i) for i in range(count)]
@@ -194,7 +195,7 @@ def main() -> int:
             continue
         try:
             run = make()
-        except MissingExtra as error:
+        except ImportError as error:  # an extra, or laticauda-cuda
             print(f"{name:26} left out: {error}")
             continue
         mine = {f"{name}: {key}": value for key, value in series(run)}

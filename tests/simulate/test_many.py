@@ -247,3 +247,8 @@ def test_bad_arguments_are_refused(arguments, message):
     with pytest.raises(ValueError) as refused:
         lc.swim_many(**{"robots": MAMBA, "gaits": GAIT, **arguments})
     assert message in str(refused.value)
+
+
+def test_a_device_that_no_package_brings_is_refused():
+    with pytest.raises(ValueError, match=r"`device` must be one of `cpu`.*, got 'gpu'"):
+        lc.swim_many(load_robot("mamba"), GAIT, 1.0, device="gpu")

@@ -20,6 +20,7 @@ from jaxtyping import Float, Inexact, Int
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
 from laticauda.dynamics.school import TOLD, usable_cores
+from laticauda.extensions import Extensible
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout
@@ -82,6 +83,14 @@ class Block:
     """At the end: absolute, net and positive work of the joints, electrical work [J]."""
     n_samples: Int[np.ndarray, " n_runs"]
     """Samples before the run's numbers left all bounds; all of them if the run reached its end."""
+
+
+class Device(Extensible, group="devices"):
+    """What marches batches in the place of the processor's cores; installed packages bring them."""
+
+    def march_many(self, *batch: Any, **how: Any) -> Iterator[Any]:
+        """As the function of that name; arguments as for it."""
+        raise NotImplementedError
 
 
 def march_many(

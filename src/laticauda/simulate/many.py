@@ -1,6 +1,5 @@
 """`swim_many`: the figures of many trials, computed side by side and on all cores."""
 
-import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar, Unpack, cast
@@ -12,7 +11,7 @@ from laticauda.dynamics.plant import check_size
 from laticauda.errors import BadArgument, at_least_one, instance, one_of, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.planar.batch import Block, Run, march_many
+from laticauda.planar.batch import Block, Device, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
@@ -23,7 +22,7 @@ from laticauda.simulate.plants import plant
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, metrics
 
-DEVICES = ("cpu", "cuda")
+CPU = "cpu"
 Item = TypeVar("Item")
 Look = Callable[[Sequence[Run], Block], None]
 """What is done with the runs of a block and what they left behind."""
@@ -74,7 +73,7 @@ def swim_many(
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
-    device: str = "cpu",
+    device: str = CPU,
     progress: runner.Progress = runner.silent,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
@@ -95,8 +94,8 @@ def swim_many(
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
-        device: cpu, or cuda for a GPU (experimental), one planar trial per thread of it: it needs the extra `gpu`, and
-            pays for thousands of trials.
+        device: cpu, or what an installed package brings: cuda for a GPU, with `laticauda-cuda` (experimental), one
+            planar trial per thread of it. It pays for thousands of trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
         changes: Of the model, see `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but
             takes its lanes one by one.
@@ -106,7 +105,6 @@ def swim_many(
 
     Raises:
         ValueError: If an argument is out of its range, or sequences differ in length, or there is no GPU.
-        MissingExtra: If numba-cuda is not installed and `device` asks for it.
 
     Example:
         >>> import laticauda as lc
@@ -116,7 +114,7 @@ def swim_many(
     """
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
     if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
-        one_of("device", device, DEVICES[:1])
+        one_of("device", device, (CPU,))
         found = swum(scenarios, threads, progress)
     else:
         runs = runs_of(scenarios)
@@ -218,7 +216,7 @@ def collected(
     progress: runner.Progress,
     *,
     weights: Inexact[np.ndarray, " n_runs"] | None = None,
-    device: str = "cpu",
+    device: str = CPU,
     look: Look = runner.silent,
     with_joints: bool = False,
 ) -> Collected:
@@ -238,11 +236,8 @@ def collected(
     check_size(duration, sample_interval)
     if threads is not None:
         whole("threads", threads, 1)
-    march = functools.partial(march_many, with_joints=with_joints)
-    if one_of("device", device, DEVICES) == "cuda":
-        from laticauda.planar.cuda import march_many as march_on_gpu
-
-        march = march_on_gpu
+    is_here = one_of("device", device, (CPU, *Device.names())) == CPU
+    march = march_many if is_here else Device.named(device)().march_many
     n, carried = len(runs), weights
     if carried is None:
         plants: dict[int, PlanarPlant] = {id(run.plant): run.plant for run in runs}
@@ -262,7 +257,7 @@ def collected(
         return block.index
 
     finished = 0
-    for index in march(runs, duration, sample_interval, keep, threads=threads):
+    for index in march(runs, duration, sample_interval, keep, threads=threads, with_joints=with_joints):
         finished += index.size
         progress(finished / n)
     found = batch_figures.figures(runs, carried, left, steady)

@@ -1,9 +1,8 @@
 """The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
 
-Experimental: only numba-cuda's simulator has run them. The door to numba-cuda; nothing else knows it. A run's rows are
-one column of an array, so that neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and
-its compiler fuses multiplications and additions in its own way: results agree with the processor's to rounding, not to
-the last digit.
+Experimental: only numba-cuda's simulator has run them. A run's rows are one column of an array, so that neighboring
+threads read neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications and
+additions in its own way: results agree with the processor's to rounding, not to the last digit.
 """
 
 # pyright: basic
@@ -13,21 +12,16 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar, cast, no_type_check
 
+import numba_cuda as _  # noqa: F401  # it puts itself in the place of the module that numba has
 import numpy as np
+from numba import cuda
 
 from laticauda import scalars
 from laticauda.compiling import Target
-from laticauda.errors import BadArgument, MissingExtra
+from laticauda.errors import BadArgument
 from laticauda.planar import rows
-from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
+from laticauda.planar.batch import PATH_ROWS, Block, Device, Run, block_of, kinds_of
 from laticauda.planar.model import specialize
-
-try:
-    # It puts itself in the place of the module that numba has.
-    import numba_cuda as _  # noqa: F401  # pyright: ignore[reportMissingImports]
-    from numba import cuda
-except ImportError as _err:
-    raise MissingExtra("Running on a GPU", "numba-cuda", "gpu") from _err
 
 Result = TypeVar("Result")
 
@@ -35,27 +29,30 @@ _THREADS = 64  # per block: a run takes many registers
 _LOG_BYTES = 2**28  # runs that go at a time are as many as have logs of this size together
 
 
-def march_many(
-    runs: Sequence[Run],
-    duration: float,
-    sample_interval: float,
-    use: Callable[[Block], Result],
-    *,
-    threads: int | None = None,
-) -> Iterator[Result]:
-    """As `laticauda.planar.batch.march_many`, on the GPU; `threads` of the processor make no difference to it.
+class Cuda(Device):
+    """A GPU, as `laticauda.swim_many` finds it."""
 
-    Raises:
-        ValueError: If there is no GPU that it can use.
-    """
-    if not cuda.is_available():
-        raise BadArgument("device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'")
-    n_intervals = max(1, round(duration / sample_interval))
-    at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
-    for alike in kinds_of(runs, duration / n_intervals):
-        for first in range(0, len(alike), at_a_time):
-            index = np.array(alike[first : first + at_a_time])
-            yield use(_march([runs[int(i)] for i in index], index, duration, n_intervals))
+    def march_many(
+        self,
+        runs: Sequence[Run],
+        duration: float,
+        sample_interval: float,
+        use: Callable[[Block], Result],
+        **how: Any,
+    ) -> Iterator[Result]:
+        """See `Device`; threads of the processor make no difference to it, and it logs no joints.
+
+        Raises:
+            ValueError: If there is no GPU that it can use.
+        """
+        if not cuda.is_available():
+            raise BadArgument("device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'")
+        n_intervals = max(1, round(duration / sample_interval))
+        at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
+        for alike in kinds_of(runs, duration / n_intervals):
+            for first in range(0, len(alike), at_a_time):
+                index = np.array(alike[first : first + at_a_time])
+                yield use(_march([runs[int(i)] for i in index], index, duration, n_intervals))
 
 
 def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
@@ -65,15 +62,16 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
-    S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
+    states = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
     march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
     # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
     laws = np.concatenate((law, law >= rows.FIRST_FREE))
     tables = (cuda.to_device(table) for table in (first_strip, first_plate, laws))
     shape = n, *tables, tail_link, has_extras
-    march[math.ceil(len(runs) / _THREADS), _THREADS](S, *shape, plant.is_implicit, n_intervals * every, dt, every, log)
-    end, path = S.copy_to_host(), log.copy_to_host()
+    blocks = math.ceil(len(runs) / _THREADS)
+    march[blocks, _THREADS](states, *shape, plant.is_implicit, n_intervals * every, dt, every, log)
+    end, path = states.copy_to_host(), log.copy_to_host()
     n_samples = end[rows.SAMPLES].astype(int)
     path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
     return block_of(index, path, end, n_samples)
@@ -88,8 +86,8 @@ def _kernel(run: Any) -> Any:
     def march(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
         i = cuda.grid(1)
         if i < flat.shape[1]:
-            S, own = flat[:, i], log[:, :, i]
-            run(S, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, own)
+            row, own = flat[:, i], log[:, :, i]
+            run(row, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, own)
 
     return march
 
