@@ -74,7 +74,7 @@ def main() -> None:
             name="timing",
             robot="mamba-modules",
             gait=lc.lateral_undulation(
-                amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40)
+                amplitude=math.radians(12), frequency=math.radians(60), phase_shift=math.radians(40)
             ),
             following=Following(),
             duration=duration,
@@ -85,7 +85,7 @@ def main() -> None:
                 mocap_address=at["qtm"],
                 meter_address=at["meter"],
             ),
-            tank=CaptureVolume(volume_x=(-1.0, 99.0)),
+            tank=CaptureVolume(volume_x=(-1.0, 11.0)),
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
             # The run is to go on, however late the loop is.
             limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),

@@ -305,7 +305,7 @@ def moved_log(truth, *, turned: float = 0.0, faster=1.0, bent=0.0) -> OperationL
     def other(one):
         if not isinstance(one, Estimate):
             return one
-        k = round(max(one.time - BEFORE, 0.0) / STEP)
+        k = int(np.abs(truth.time - (one.time - BEFORE)).argmin())
         return replace(one, center_of_mass=plane @ path[k])
 
     return replace(log, entries=tuple(map(other, log.entries)))
@@ -337,6 +337,16 @@ def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
     # Over five cycles: none of the first five of seven turns but the last, three of the last five.
     assert found.value == pytest.approx(math.radians(2.0 * 2.0 / 5.0), rel=0.1)
     assert found.word == "WRONG" and found.since > 15.0
+
+
+def test_a_robot_that_steers_a_little_better_than_the_model_is_right_and_one_that_steers_much_better_is_not():
+    follower = lc.Following().controller(GAIT)
+    start = lc.Start(center_of_mass=(0.0, 1.0))
+    steered = lc.run(PLANT, follower, 3.0 * CYCLES + STEP, start=start, sample_interval=STEP)
+    turned = steered.heading - steered.heading[0]
+    little, much = (judged(moved_log(steered, bent=share * turned))["turn_change"] for share in (0.08, 0.3))
+    assert (little.word, much.word) == ("ok", "WRONG")
+    assert little.share < 0.3
 
 
 def test_a_joint_that_does_the_opposite_of_its_servo_is_not_between_reference_and_model(truth):

@@ -34,7 +34,8 @@ UNTOLD, LEAST = 2, 6  # stretches that a twin needs to swim as the robot does; b
 MEDIAN, FINEST = 0.455, 0.1**2  # of the square of a normal number; variance that deviations have at least
 WITHIN = 1.96  # standard deviations to either side that hold 95 %
 PLAY, CRAB = 0.01, 0.005  # of joints, and by which the robot points elsewhere than is seen, in the beginning [rad]
-FLOOR, FLOOR_PLAY, FLOOR_CURRENT = 0.02, 0.05, 1.2e-3  # of deviations: what repeats in every cycle [-, -, m/s]
+FLOOR, FLOOR_PLAY = 0.02, 0.05  # of deviations: what repeats in every cycle [-]
+FLOOR_AHEAD, FLOOR_ASIDE = 1.2e-3, 0.4e-3  # likewise, of a current along the robot and across it [m/s]
 FINLESS, ODD, WEAK = 0.5, 2, 3  # share of the squares that a robot without fin leaves; stretches until it is said
 STILL_SWING = 0.02  # of a joint that is not asked to move [rad]
 UNITS = {"play": "rad", "crab": "rad", "current_x": "m/s", "current_y": "m/s"}
@@ -134,10 +135,12 @@ class Learner:
         told, n = self.settings, len(self.settings.unknown)
         return np.array([told.coefficient] * n + [1.0, CRAB, told.current, told.current])
 
-    @cached_property
-    def _floor(self) -> Array:
+    def _floor(self, seen: Stretches) -> Array:
         """What is left of deviations however much is seen, likewise."""
-        return np.array([FLOOR] * len(self.settings.unknown) + [FLOOR_PLAY, CRAB, FLOOR_CURRENT, FLOOR_CURRENT])
+        ahead = np.exp(1j * seen.seen[2]).mean()
+        x, y = abs(ahead.real / ahead), abs(ahead.imag / ahead)
+        current = [math.hypot(FLOOR_AHEAD * x, FLOOR_ASIDE * y), math.hypot(FLOOR_AHEAD * y, FLOOR_ASIDE * x)]
+        return np.array([FLOOR] * len(self.settings.unknown) + [FLOOR_PLAY, CRAB, *current])
 
     def init(self) -> LearnerState:
         """The state before the first sample. The plant is compiled, which may take seconds."""
@@ -224,7 +227,7 @@ class Learner:
         cycles = _cycles(_pull(off - design @ step, design) / size)
         spread = cycles.T @ cycles * len(cycles) / max(len(cycles) - step.size, 1) + np.diag(self._opening**-2.0)
         back = np.linalg.inv(told)
-        deviation = np.sqrt(np.diag(back @ spread @ back) + self._floor**2)
+        deviation = np.sqrt(np.diag(back @ spread @ back) + self._floor(seen) ** 2)
         return replace(state, mean=state.mean + step, deviation=deviation)
 
     def _step(self, state: LearnerState, off: Array, design: Array) -> tuple[Any, Array, float]:

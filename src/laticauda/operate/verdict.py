@@ -29,6 +29,7 @@ CYCLE, POINTS = 2.0, 100  # of a gait that has no frequency [s]; at which a cycl
 FRAMES, GAP = 7, 0.3  # of the cameras, whose median counts, for single ones may be wrong; between them at most [s]
 TURNS, LEAST = 5, 1e-3  # cycles over which turning is averaged; of a cycle, for a gait that hardly goes ahead [m]
 
+STEERS = 0.1  # share by which a robot may turn more or less than the model when it bends [-]
 BEFORE, LATENCY = 2.0, 0.01  # of the straight robot before the run; by which the smallest one of frames may change [s]
 NOTED = ("model_speed", "without_zero")
 """Checks that reject no run."""
@@ -240,7 +241,9 @@ class _Run:
         yield "speed_change", (self.ends[1:], _spread(speed), "")
         yield "sideslip_change", (self.ends[1:], _spread((aside - usual_aside) / usual), "")
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
-        turned = np.diff(heading[:, [0, -1]] - model_heading[:, [0, -1], 0], axis=1)[1:, 0]
+        turned, usual_turn = (np.diff(one[1:, [0, -1]])[:, 0] for one in (heading, model_heading[..., 0]))
+        turned -= usual_turn  # and what is in proportion to how the model turns
+        turned -= usual_turn * np.clip(turned @ usual_turn / max(usual_turn @ usual_turn, 1e-12), -STEERS, STEERS)
         if turned.size >= TURNS:
             mean = np.lib.stride_tricks.sliding_window_view(turned, TURNS).mean(axis=1)
             yield "turn_change", (self.ends[TURNS:], _spread(mean), "")
