@@ -107,7 +107,7 @@ class Failing(Learner):
         raise ZeroDivisionError("a slip")
 
 
-def test_a_learner_that_fails_ends_no_recording_and_is_said(tmp_path: Path):
+def test_a_learner_that_fails_ends_no_recording_and_is_said_there_too(tmp_path: Path):
     wrong = Failing(robot=ROBOT, plant=lc.plant(ROBOT, lc.load_water("paper-lateral"), joints="servo"))
     samples = [ReferenceSample(time=0.1 * k, angle=np.zeros(8)) for k in range(3)]
     with OperationRecorder(tmp_path / "a.mcap", HEADER) as recorder:
@@ -118,7 +118,9 @@ def test_a_learner_that_fails_ends_no_recording_and_is_said(tmp_path: Path):
         (said,) = sink.news
     assert (said.kind, said.message) == ("changed", "Nothing is learnt any more: a slip")
     found = read_operation(tmp_path / "a.mcap").entries
-    assert [type(entry).__name__ for entry in found] == ["ReferenceSample", "PowerReading"] * 3
+    kinds = [type(entry).__name__ for entry in found]
+    assert kinds == ["ReferenceSample", "Event", "PowerReading", *["ReferenceSample", "PowerReading"] * 2]
+    assert found[1] == said
 
 
 def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing_of_it(tmp_path: Path):

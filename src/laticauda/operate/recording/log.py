@@ -149,15 +149,16 @@ class Sink:
         """Keep what a sample teaches; nothing depends on it, so that an error ends it, and no more."""
         try:
             self._state = learner.step(self._state, sample)
+            learned = self._state.learned
+            told = () if learned is None else learned.changes
         except Exception as error:
-            self._learner = None
-            self.news.append(Event(time=now, kind="changed", message=f"Nothing is learnt any more: {error}"))
-            return
-        if (learned := self._state.learned) is not None:
-            changes = [Event(time=now, kind="changed", message=change) for change in learned.changes]
-            for entry in (learned, *changes):
-                self._recorder.record(entry, received=now)
-            self.news.extend((Event(time=now, kind="learned", message=learned.line), *changes))
+            self._learner, learned, told = None, None, (f"Nothing is learnt any more: {error}",)
+        news = [Event(time=now, kind="changed", message=change) for change in told]
+        for entry in news if learned is None else (learned, *news):
+            self._recorder.record(entry, received=now)
+        if learned is not None:
+            news.insert(0, Event(time=now, kind="learned", message=learned.line))
+        self.news.extend(news)
 
 
 # ---- reading it again ------------------------------------------------------------------------------------------------
