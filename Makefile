@@ -76,7 +76,8 @@ pytest: $(DEV)
 	@$(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 docs: $(DOCS)  ## Build the documentation into site/
-	@$(BIN)/zensical build --clean --strict
+	@$(BIN)/python docs/make_font.py
+	@PYTHONPATH=. $(BIN)/zensical build --clean --strict
 	@$(BIN)/laticauda export web site/swim
 
 bench: $(PACKAGE)  ## Speed, one script per question

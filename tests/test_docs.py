@@ -12,6 +12,7 @@ A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that i
 
 import os
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from markdown import Markdown
 from rendering import skip_without_rendering
 
 from laticauda.cli import main
@@ -29,6 +31,7 @@ FENCE = re.compile(
     r"(?P<skip><!-- not run: [^\n]+ -->\n+)?^```(?P<language>\w+)(?P<options>[^\n]*)\n(?P<code>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
+MATHEMATICS = "[\u0391-\u03c9\u2202\u2207\u221a\u2080-\u2099] *[\u0391-\u03c9=(a-z]"
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)#\s]+)")
 
 
@@ -108,6 +111,16 @@ def test_every_page_of_the_docs_can_be_reached():
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     pages = [str(page.relative_to(ROOT / "docs")) for page in (ROOT / "docs").rglob("*.md")]
     assert not [page for page in pages if f" {page}\n" not in navigation]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_formula_of_the_page_is_typeset(page: Path):
+    text = page.read_text(encoding="utf-8")
+    formulas = runpy.run_path(str(ROOT / "docs" / "mathematics.py"))["makeExtension"]()
+    reader = Markdown(extensions=[formulas, "tables", "pymdownx.superfences"])
+    shown = re.sub(r"<(math|pre|code).*?</\1>", "", reader.convert(text), flags=re.DOTALL)
+    assert "$" not in shown
+    assert not [block.code for block in blocks(page) if block.language == "text" and re.search(MATHEMATICS, block.code)]
 
 
 PAGE = """\
