@@ -230,10 +230,10 @@ class _Run:
         last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
         yield "marker_jump", (last, np.where(lasts < GAP, np.abs(middle[FRAMES:] - middle[:-FRAMES]), np.nan), "")
 
-        heading = self._at(ticks, np.unwrap([one.heading for one in self.estimates]))[..., 0]
-        center = self._at(ticks, [one.center_of_mass for one in self.estimates])
+        heading = self._at(ticks, _typical(np.unwrap([one.heading for one in self.estimates])))[..., 0]
+        center = self._at(ticks, _typical([one.center_of_mass for one in self.estimates]))
         model_center, model_heading, swing = (self._at(self.model[0], one) for one in self.model[2:])
-        off, whole = (_size(one[..., 0]) for one in (self._at(time, yaw) - swing, swing))
+        off, whole = (_size(one[..., 0]) for one in (self._at(time, _typical(yaw)) - swing, swing))
         yield "swing_error", (self.ends, off / np.maximum(whole, math.radians(1.0)), "")
         (ahead, aside), (usual_ahead, usual_aside) = _step(center, heading), _step(model_center, model_heading[..., 0])
         usual = max(float(np.median(np.abs(usual_ahead))), LEAST)
@@ -247,6 +247,13 @@ class _Run:
         if turned.size >= TURNS:
             mean = np.lib.stride_tricks.sliding_window_view(turned, TURNS).mean(axis=1)
             yield "turn_change", (self.ends[TURNS:], _spread(mean), "")
+
+
+def _typical(values: Any) -> Array:
+    """Running medians of the rows, so that single wrong frames do not count."""
+    rows = np.asarray(values, float)
+    around = np.concatenate((rows[: FRAMES // 2], rows, rows[-(FRAMES // 2) :]))
+    return np.median(np.lib.stride_tricks.sliding_window_view(around, FRAMES, axis=0), axis=-1)
 
 
 def _size(values: Array) -> Array:
