@@ -101,6 +101,7 @@ def test_bad_input_is_named(run, folder: Path, trials: Path):
     (folder / "bad.toml").write_text('kind = "identification"\nparameter = []\n')
     one, other = trials / "run-0.nc", trials / "other.nc"
     cases = {
+        "identify all.toml --table1": "--table1 must not be given beside all.toml, which says all, got True.",
         "identify": "FILE must be a TOML file that says everything, or at least one trial, got none.",
         f"identify {one}": "--parameters must name at least one number to identify",
         f"identify {one} --parameters water.normal_drug": "'water.normal_drug'; the nearest are",

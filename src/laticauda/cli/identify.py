@@ -144,7 +144,7 @@ class Identify(Command):
             return task if self.laws else replace(task, options={"joints": "prescribed", **task.options})
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
-                raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
+                raise BadFlag(f"{flag(name)} must not be given beside {self.files[0]}, which says all, got {given!r}.")
         task = tasks.load_task(self.files[0])
         names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
         typed = {tasks.OPTIONS[name]: getattr(self.method, name) for name in names}
