@@ -117,6 +117,11 @@ TARGETS = (
         ),
         warm=_swim,
     ),
+    Target(
+        files=_estimation("learning", "stretches"),
+        tests=("tests/estimation/test_stretches.py", "tests/estimation/test_learning.py"),
+        warm=_swim,
+    ),
 )
 
 
