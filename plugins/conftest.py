@@ -19,7 +19,7 @@ def write_metadata(folder: Path, place: Path) -> None:
     info = place / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
     info.mkdir()
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
-    groups = project["entry-points"].items()
+    groups = project.get("entry-points", {}).items()
     lines = [f"[{group}]\n" + "".join(f"{name} = {at}\n" for name, at in points.items()) for group, points in groups]
     (info / "entry_points.txt").write_text("".join(lines))
 

@@ -1,0 +1,23 @@
+"""SwimBench: fixed scenarios of swimming, scores with the energy in them, and baselines.
+
+import laticauda_swimbench as swimbench
+env = swimbench.make("path")          # a Gymnasium environment
+scores = swimbench.score("ilos")      # a score file's content
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda_swimbench.challenges import (
+        CHALLENGES as CHALLENGES,
+        Challenge as Challenge,
+        challenge as challenge,
+        make as make,
+    )
+    from laticauda_swimbench.methods import Method as Method, method as method
+    from laticauda_swimbench.scoring import score as score
+    from laticauda_swimbench.task import Swim as Swim
+
+__getattr__, __dir__, __all__ = lazy_exports()

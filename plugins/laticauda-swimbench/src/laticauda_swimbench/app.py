@@ -1,0 +1,198 @@
+"""`swimbench`: score policies, print the table, and make what the benchmark is made of anew."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from laticauda.cli.command import SHARE, Command, Outcome, progress
+from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, read
+from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, one_of, whole
+from laticauda.files import write
+from laticauda.quantities import option, quantity, value
+from laticauda_swimbench.challenges import CHALLENGES, challenge
+
+PROGRAM = "swimbench"
+RESULTS = Path(__file__).parent / "results"
+"""The baselines' score files."""
+Policies = Annotated[Listed, tyro.conf.Positional]
+
+
+@value
+class List(Command):
+    """List the scenarios and the baselines."""
+
+    def run(self) -> Outcome:
+        """Look at both."""
+        from laticauda_swimbench.methods import NUMBERS
+
+        scenarios = [challenge(name) for name in CHALLENGES]
+        lines = ["Scenarios:", *[f"  {one.name:12} version {one.version}: {one.description}" for one in scenarios]]
+        lines += ["Baselines:", *[f"  {name:12} {one['note']}" for name, one in NUMBERS.items()]]
+        facts = {
+            "scenarios": {one.name: {"version": one.version, "sha256": one.sha256} for one in scenarios},
+            "baselines": list(NUMBERS),
+        }
+        return Outcome(facts=facts, text="\n".join(lines))
+
+
+@value
+class Score(Command):
+    """Score policies in the scenarios: baselines by name, .onnx and .npz files, Python callables as module:name.
+
+    Without any, all baselines are scored, those that plan with laticauda[mpc]. Each has its score file, and they are
+    compared in the table.
+
+    For example: swimbench score ilos my_policy.onnx my_module:act --output scores
+    """
+
+    policies: Policies = option("What to score; all baselines if left out", default=())
+    scenarios: Listed = option("In which scenarios", default=CHALLENGES)
+    output: Place = option("Folder for the score files, made if need be", default=None)
+
+    def run(self) -> Outcome:
+        """Score one after the other."""
+        from laticauda_swimbench.methods import NUMBERS, Method, method
+        from laticauda_swimbench.scoring import score, text_of
+        from laticauda_swimbench.table import table
+
+        for name in self.scenarios:
+            one_of("scenarios", name, CHALLENGES)
+        methods, missing = dict[str, Method](), list[str]()
+        for text in self.policies or NUMBERS:  # all are refused before the first one is scored
+            try:
+                methods[text] = method(text)
+            except MissingExtra as lack:
+                if self.policies:
+                    raise
+                missing.append(f"Not scored: {text}. {lack}")
+        contents: list[dict[str, Any]] = []
+        for text, each in methods.items():
+            contents.append(score(each, self.scenarios, progress(SHARE, what=f"scored {each.name}", patience=2.0)))
+            if self.output is not None:
+                folder = Path(self.output)
+                folder.mkdir(parents=True, exist_ok=True)
+                write(folder / f"{_file_name(text)}.json", text_of(contents[-1]))
+        seconds = sum(one["seconds"] for one in contents)
+        text = f"{table(contents)}\n\nScored in {seconds:.0f} s."
+        return Outcome(facts={"scores": contents}, text=text, problem="\n".join(missing))
+
+
+def _file_name(policy: str) -> str:
+    """A policy's file without folder and ending; of module:name both."""
+    stem = Path(policy).stem if Path(policy).suffix in (".onnx", ".npz") else policy
+    return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
+
+
+@value
+class Table(Command):
+    """Print the table of score files, after a look at their checksums; of the baselines' own if there are none.
+
+    For example: swimbench table scores/*.json
+    """
+
+    files: Inputs = option("Score files", default=())
+    baselines: bool = option("The baselines' own score files too", default=False)
+
+    def run(self) -> Outcome:
+        """Read them."""
+        from laticauda_swimbench.scoring import read_scores
+        from laticauda_swimbench.table import row, table
+
+        own = sorted(RESULTS.glob("*.json")) if self.baselines or not self.files else []
+        contents = [read_scores(file) for file in [*own, *self.files]]
+        facts = {one["method"]["name"]: {name: each._asdict() for name, each in row(one).items()} for one in contents}
+        return Outcome(facts=facts, text=table(contents))
+
+
+@value
+class Train(Command):
+    """Train a learner in scenarios: hours for all of them. It goes on where it stopped, and needs laticauda[learn].
+
+    For example: swimbench train ppo --steps 1000000 --output runs
+    """
+
+    learner: Annotated[str, tyro.conf.Positional] = option("ppo or sac")
+    scenarios: Listed = option("In which scenarios", default=CHALLENGES)
+    seeds: tuple[int, ...] = quantity("", "Of the runs", ge=0, default=(1, 2, 3, 4, 5))
+    steps: int = quantity("", "Of each run", ge=1, default=1_000_000)
+    output: Folder = option("Folder of the runs and of what came out, one .npz file per scenario", default="runs")
+
+    def run(self) -> Outcome:
+        """Train all runs of a seed before those of the next."""
+        from laticauda_swimbench.train import collect, train
+
+        folder = Path(self.output)
+        folder.mkdir(parents=True, exist_ok=True)
+        seconds = 0.0
+        for seed in self.seeds:
+            for name in self.scenarios:
+                challenge(name)
+                said = train(self.learner, name, seed, self.steps, folder, self._tell)
+                seconds += said["seconds"]
+                collect(self.learner, name, folder, folder / f"{self.learner}-{name}.npz")
+        return Outcome(facts={"seconds": seconds}, text=f"Trained in {seconds:.0f} s; what came out is in {folder}.")
+
+    def _tell(self, line: str) -> None:
+        self.announce({"told": line}, line)
+
+
+@value
+class Search(Command):
+    """Search for the numbers of a scenario's reference, as they stand in its file. It needs laticauda[learn]."""
+
+    scenario: Annotated[str, tyro.conf.Positional] = option("Which one")
+    evaluations: int = quantity("", "How often all tuning episodes are swum", ge=1, default=120)
+
+    def run(self) -> Outcome:
+        """Search, and swim the scored episodes with what was found."""
+        from laticauda_swimbench.search import ends, search
+
+        whole("evaluations", self.evaluations, 1)
+        found = search(self.scenario, self.evaluations, lambda line: self.announce({"told": line}, line))
+        baseline, reference = ends(self.scenario, found)
+        facts = {"baseline": baseline, "reference": reference, "laws": found}
+        lines = [f"{name} = {one!r}" for name, one in {"baseline": baseline, "reference": reference, **found}.items()]
+        return Outcome(facts=facts, text="\n".join(lines))
+
+
+COMMANDS: dict[str, type[Command]] = {
+    "list": List,
+    "score": Score,
+    "table": Table,
+    "train": Train,
+    "search": Search,
+}
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Args:
+        args: The words behind the program's name; None takes those of this process.
+
+    Returns:
+        The exit status: 0 success, 2 bad input, 130 stopped by the user.
+    """
+    words = list(sys.argv[1:] if args is None else args)
+    if not words or words[0] in ("-h", "--help"):
+        lines = [f"  {name:7} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()]
+        print("\n".join([f"usage: {PROGRAM} COMMAND; `{PROGRAM} COMMAND --help` explains a command.", "", *lines]))
+        return 0
+    try:
+        chosen = COMMANDS[one_of("command", words[0], tuple(COMMANDS))]
+        return read(chosen, words[1:], f"{PROGRAM} {words[0]}")()
+    except SystemExit as end:  # tyro printed its help or its complaint
+        return end.code if isinstance(end.code, int) else 2
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: stopped.", file=sys.stderr)
+        return 130
+    except (BadArgument, BadFlag, LaticaudaError, ValueError, OSError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

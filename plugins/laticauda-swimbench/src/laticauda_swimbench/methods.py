@@ -1,0 +1,231 @@
+"""What can be scored: the baselines, and policies from outside.
+
+A method is one or several runs, and each run, for each scenario, a `Pilot`: what sees the rows of observations of all
+robots and says what each is to do. Laws are controllers of laticauda, which are asked as `laticauda.run` asks them.
+"""
+
+import hashlib
+import inspect
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+import laticauda as lc
+from laticauda.control import AveragedModel, ModelPredictive
+from laticauda.cosim.gym import Episodes, Pilots
+from laticauda.errors import BadArgument, LaticaudaError, one_of, optional_import
+from laticauda.files import read_toml
+from laticauda_swimbench import networks
+from laticauda_swimbench.challenges import Challenge
+from laticauda_swimbench.task import Swim
+
+HERE = Path(__file__).parent
+Act = Callable[[np.ndarray], np.ndarray]
+"""Actions for observations, one row per robot."""
+Pilot = Callable[[Challenge, int, Episodes], Act]
+"""What steers robots that are at the begin of their episodes in a scenario, in one of its method's runs."""
+
+
+class NoRuntime(LaticaudaError, ImportError):
+    """What runs ONNX files is not installed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """Something that can be scored."""
+
+    name: str
+    """In the table."""
+    kind: str
+    """What it is: open loop, law, plan, network, ONNX or callable."""
+    sha256: str
+    """Of what it is made of: its numbers, its weights, or the text of its module."""
+    pilot: Pilot
+    """Who steers."""
+    runs: int = 1
+    """How many it has: a learner one for each seed it was trained with."""
+    note: str = ""
+    """What should be known of it."""
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+# ---- baselines -------------------------------------------------------------------------------------------------------
+
+
+def _open_loop(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+    """The gait of the scenario, straight on: the middle of all actions."""
+    return lambda observed: np.zeros((len(observed), len(episodes.middle)))
+
+
+def _piloted(controller: lc.Controller[Any], episodes: Episodes) -> Act:
+    pilots = Pilots(controller, episodes)
+    return lambda observed: pilots.actions()
+
+
+def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFollowing:
+    """A law of guidance along the x axis.
+
+    Args:
+        gait: What swims; its amplitude, frequency and phase shift may be among the numbers.
+        interval: Between two control instants [s].
+        numbers: look_ahead_distance, gain, max_offset, and integral_gain for the integral law.
+    """
+    given = dict(numbers)
+    shape = {name: given.pop(name) for name in ("amplitude", "frequency", "phase_shift") if name in given}
+    guidance = "integral_line_of_sight" if "integral_gain" in given else "line_of_sight"
+    following: Any = {"guidance": guidance, "interval": interval, **given}
+    return lc.Following(**following).controller(replace(gait, **shape))
+
+
+def law_pilot(numbers: dict[str, float]) -> Pilot:
+    """A law at the helm of every robot.
+
+    Args:
+        numbers: As for `law`.
+    """
+
+    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+        return _piloted(law(episodes.task.gait, episodes.task.interval, numbers), episodes)
+
+    return pilot
+
+
+def reference_law(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+    """The numbers that were searched for in the scenario."""
+    return law_pilot({**challenge.laws})(challenge, run, episodes)
+
+
+def _plan(numbers: dict[str, Any]) -> Pilot:
+    """The plan, with the averaged model of the healthy robot in still water; power costs by the scenario's price."""
+    optional_import("The plan", "CasADi", "mpc", "casadi")  # before anything is scored
+    model, low, high = AveragedModel(**numbers["model"]), *numbers["frequency_limits"]
+
+    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+        task = cast(Swim, episodes.task)
+        controller = ModelPredictive(
+            gait=task.gait,
+            path=lc.StraightLine(),
+            model=model,
+            interval=task.interval,
+            max_offset=task.max_offset,
+            frequency_limits=(low, high),
+            power_tolerance=numbers["power_tolerance_per_price"] * task.price,
+            speed=numbers["speed"],
+            speed_tolerance=numbers["speed_tolerance"],
+        )
+        return _piloted(controller, episodes)
+
+    return pilot
+
+
+def _learned(name: str) -> Pilot:
+    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+        return networks.load(HERE / "policies" / f"{name}-{challenge.name}.npz")[run]
+
+    return pilot
+
+
+NUMBERS = read_toml(HERE / "baselines.toml")
+"""Of the baselines, by name."""
+
+
+def _baseline(name: str) -> Method:
+    said = dict(NUMBERS[name])
+    kind, title, note = (said.pop(one, "") for one in ("kind", "title", "note"))
+    content = repr(sorted(said.items())).encode()
+    if kind == "network":
+        files = sorted((HERE / "policies").glob(f"{name}-*.npz"))
+        runs = min(len(networks.load(file)) for file in files)
+        content = b"".join(file.read_bytes() for file in files)
+        return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=_learned(name), runs=runs)
+    made: dict[str, Pilot] = {"open loop": _open_loop, "searched law": reference_law}
+    pilot = made.get(kind) or (law_pilot(said) if kind == "law" else _plan(said))
+    return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=pilot)
+
+
+# ---- from outside ----------------------------------------------------------------------------------------------------
+
+
+def _called(text: str) -> Method:
+    """`module:name`: a function of an observation, a class whose objects are such, a controller, or its class."""
+    place, _, name = text.partition(":")
+    sys.path.insert(0, "")  # a module in the working directory
+    try:
+        module = import_module(place)
+    finally:
+        sys.path.remove("")
+    found: Any = getattr(module, name, None)
+    is_class, is_controller = inspect.isclass(found), isinstance(found, lc.Controller)
+    if not (callable(found) or is_controller):
+        raise BadArgument("policy", f"must name a function, a class or a controller, got {text}")
+    file = inspect.getsourcefile(module)
+    content = Path(file).read_bytes() if file else text.encode()
+
+    made: Any = found
+
+    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+        each: list[Any] = [made() if is_class else made for _ in range(episodes.n)]
+        if isinstance(each[0], lc.Controller):
+            return _piloted(cast("lc.Controller[Any]", each[0]), episodes)
+        return lambda observed: np.array([one(row) for one, row in zip(each, observed, strict=True)], dtype=float)
+
+    return Method(name=text, kind="callable", sha256=_digest(content), pilot=pilot)
+
+
+def _onnx(file: Path) -> Method:
+    """A network in an ONNX file: observations in rows of float32 in, actions out, the first output."""
+    try:
+        runtime: Any = import_module("onnxruntime")
+    except ImportError as error:
+        raise NoRuntime("A policy in an ONNX file needs onnxruntime; run `pip install onnxruntime`.") from error
+    how = runtime.SessionOptions()
+    how.intra_op_num_threads = how.inter_op_num_threads = 1  # the same sums in the same order
+    session = runtime.InferenceSession(str(file), how, providers=["CPUExecutionProvider"])
+    given = session.get_inputs()[0].name
+
+    def act(observed: np.ndarray) -> np.ndarray:
+        rows = observed.astype(np.float32)
+        return np.concatenate([session.run(None, {given: row[np.newaxis]})[0] for row in rows]).astype(float)
+
+    return Method(
+        name=file.stem, kind="ONNX", sha256=_digest(file.read_bytes()), pilot=lambda challenge, run, episodes: act
+    )
+
+
+def _weights(file: Path) -> Method:
+    found = networks.load(file)
+    return Method(
+        name=file.stem,
+        kind="network",
+        sha256=_digest(file.read_bytes()),
+        pilot=lambda challenge, run, episodes: found[run],
+        runs=len(found),
+    )
+
+
+def method(text: str) -> Method:
+    """What is to be scored.
+
+    Args:
+        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable.
+
+    Raises:
+        ValueError: If there is no such thing.
+        ImportError: If it needs a package that is not installed, as `MissingExtra` or `NoRuntime`.
+    """
+    file = Path(text)
+    if file.suffix in (".onnx", ".npz"):
+        if not file.is_file():
+            raise BadArgument("policy", f"must be a file that is there, got {text}")
+        return _onnx(file) if file.suffix == ".onnx" else _weights(file)
+    if ":" in text:
+        return _called(text)
+    return _baseline(one_of("policy", text, tuple(NUMBERS)))

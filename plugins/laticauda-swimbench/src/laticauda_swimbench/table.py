@@ -1,0 +1,53 @@
+"""The table of all methods, in Markdown."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from laticauda_swimbench.challenges import CHALLENGES
+from laticauda_swimbench.statistics import Estimate, Numbers, estimate, matrix, mean, over_runs
+
+
+def row(content: Mapping[str, Any]) -> dict[str, Estimate]:
+    """The mean score in each scenario that was scored, and the interquartile mean if these are all.
+
+    Args:
+        content: Of a score file.
+    """
+    scores: dict[str, Numbers] = {part["name"]: matrix(part) for part in content["scenarios"]}
+    found = {name: estimate([scores[name]], mean) for name in CHALLENGES if name in scores}
+    if len(found) == len(CHALLENGES):
+        found["all"] = estimate([scores[name] for name in CHALLENGES], over_runs)
+    return found
+
+
+def energy(content: Mapping[str, Any]) -> float:
+    """Energy of all episodes over their progress, of all that got along [J/m]; nan if none did.
+
+    Args:
+        content: Of a score file.
+    """
+    found = [one for part in content["scenarios"] for one in part["results"]]
+    progress = sum(one["progress"] for one in found)
+    return sum(one["energy"] for one in found) / progress if progress > 0.0 else float("nan")
+
+
+def table(contents: Sequence[Mapping[str, Any]]) -> str:
+    """One line for each method, the best first, with 95 % intervals.
+
+    Args:
+        contents: Of score files.
+    """
+    rows = [(content["method"], row(content), energy(content)) for content in contents]
+    rows.sort(key=lambda each: -each[1]["all"].value if "all" in each[1] else float("inf"))
+    lines = [
+        f"| method | runs | all (IQM) | {' | '.join(CHALLENGES)} | J/m |",
+        f"|---|---|---|{'---|' * len(CHALLENGES)}---|",
+    ]
+    for method, found, joules in rows:
+        cells = [_cell(found[name]) if name in found else "" for name in ("all", *CHALLENGES)]
+        lines.append(f"| {method['name']} | {method['runs']} | {' | '.join(cells)} | {joules:.0f} |")
+    return "\n".join(lines)
+
+
+def _cell(one: Estimate) -> str:
+    return f"{one.value:z.2f} ({one.low:z.2f} to {one.high:z.2f})"

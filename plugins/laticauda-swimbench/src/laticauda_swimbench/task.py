@@ -1,0 +1,89 @@
+"""What all scenarios of SwimBench share: what a policy sees and says, and what its swimming is worth."""
+
+import math
+
+import numpy as np
+
+from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
+from laticauda.cosim.gym.tasks import ACROSS, ALONG, HEADING_RATE, PHASE, check_ends
+from laticauda.errors import BadArgument
+from laticauda.quantities import quantity, value
+
+_UNIT_POWER = 100.0  # what is seen as 1 [W]
+
+
+@value
+class Swim(Swimming):
+    """Get along the x axis, near to it and for little energy; the actions are the gait and what steers it.
+
+        J = 1/T sum_n [ k(y_n) (x_n - x_(n-1)) - E_n / F ],    k(y) = 1 / (1 + (y/y_1)^2)
+
+    The sum is over the intervals between actions: x, y is the center of mass at their ends, E the energy that the
+    motors took. J is a speed: what energy costs is taken off the progress, at a price F in joules per meter. The reward
+    of an interval is its term of the sum, so that a return is J T.
+
+    Raises:
+        ValueError: If a field is out of its range, or gait and offset could take a joint beyond its limit.
+    """
+
+    amplitudes: tuple[float, float] = quantity("rad", "May be asked for", ge=0.0)
+    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0)
+    phase_shifts: tuple[float, float] = quantity("rad", "Likewise")
+    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
+    max_distance: float = quantity("m", "From the line at the start, to either side", ge=0.0)
+    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0)
+    max_current: float = quantity("m/s", "Fastest water of an episode, in any direction", ge=0.0, default=0.0)
+    tolerance: float = quantity("m", "y_1, distance from the line at which progress counts half", gt=0.0)
+    price: float = quantity("J/m", "F, energy that is worth as much as a meter", gt=0.0)
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        super().__post_init__()
+        check_ends(self, "amplitudes", "frequencies", "phase_shifts")
+        chain = self.scenario.robot.planar()
+        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
+            if abs(g) * self.amplitudes[1] + self.max_offset > joint.limit:
+                rule = f"must leave joint {i} within its limit of {joint.limit:.4g} rad, with `amplitudes`"
+                raise BadArgument("max_offset", f"{rule}; got {self.max_offset}")
+
+    @property
+    def actions(self) -> tuple[Range, ...]:
+        """Amplitude, frequency, phase shift and offset."""
+        return ranges(
+            amplitude=self.amplitudes,
+            frequency=self.frequencies,
+            phase_shift=self.phase_shifts,
+            offset=(-self.max_offset, self.max_offset),
+        )
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """Where an episode begins, and in which water."""
+        y, heading = self.max_distance, self.max_heading
+        start = ranges(y=(-y, y), heading=(-heading, heading))
+        if self.flow is not None:
+            return start + self.flow_draws
+        return start + ranges(current_speed=(0.0, self.max_current), current_direction=(-math.pi, math.pi))
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """What cameras or a filter, the power meter, and the robot's own gait tell: nothing of the water."""
+        return (
+            Sight(name="cross_track_error", of=lambda step: step.after.y),
+            Sight(name="sin_heading", of=lambda step: np.sin(step.after.heading)),
+            Sight(name="cos_heading", of=lambda step: np.cos(step.after.heading)),
+            HEADING_RATE,
+            ALONG,
+            ACROSS,
+            Sight(name="power", of=lambda step: step.power, unit=_UNIT_POWER),
+            *PHASE,
+            Sight(name="amplitude", of=lambda step: step.after.amplitude, unit=self.amplitudes[1]),
+            Sight(name="frequency", of=lambda step: step.after.frequency, unit=self.frequencies[1]),
+            Sight(name="phase_shift", of=lambda step: step.after.phase_shift, unit=self.phase_shifts[1]),
+            Sight(name="offset", of=lambda step: step.after.offset, unit=self.max_offset),
+        )
+
+    def reward(self, step: Step) -> Numbers:
+        """The term of `step` in J T [m]."""
+        near = 1.0 / (1.0 + (step.after.y / self.tolerance) ** 2)
+        return near * (step.after.x - step.before.x) - step.interval * step.power / self.price

@@ -1,0 +1,217 @@
+import json
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda_swimbench as swimbench
+from laticauda_swimbench import networks, scoring
+from laticauda_swimbench.app import RESULTS, main
+from laticauda_swimbench.methods import Method, method
+from laticauda_swimbench.statistics import estimate, interquartile_mean, matrix, mean, over_runs
+from laticauda_swimbench.table import table
+
+QUICK = "economy"
+
+
+@pytest.fixture(scope="module")
+def short():
+    """A scenario with few, short episodes, as it is scored."""
+    one = swimbench.challenge(QUICK)
+    tasks = [replace(task, scenario=replace(task.scenario, duration=4.0)) for task in one.tasks]
+    return replace(one, seeds=one.seeds[:3], tasks=tuple(tasks))
+
+
+@pytest.fixture(autouse=True)
+def quick(short, monkeypatch):
+    monkeypatch.setattr(scoring, "challenge", lambda name: short)
+
+
+def scored(policy) -> dict:
+    return scoring.score(policy, [QUICK])
+
+
+# ---- scenarios -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", swimbench.CHALLENGES)
+def test_a_scenario_fixes_its_episodes_and_its_scale(name):
+    one = swimbench.challenge(name)
+    assert len(one.seeds) == len(set(one.seeds)) == 20
+    assert one.score(one.baseline) == 0.0
+    assert one.score(one.reference) == 1.0
+    assert one.reference > one.baseline
+    np.testing.assert_allclose([0.5 * (each.low + each.high) for each in one.tasks[0].actions[:3]], _shape(one))
+
+
+def _shape(one):
+    gait = one.tasks[0].gait
+    return gait.amplitude, gait.frequency, gait.phase_shift
+
+
+def test_no_two_scenarios_share_an_episode():
+    seeds = [seed for name in swimbench.CHALLENGES for seed in swimbench.challenge(name).seeds]
+    assert len(seeds) == len(set(seeds))
+
+
+def test_a_return_is_the_objective_times_the_duration(short):
+    envs, task = swimbench.make(QUICK, 3), short.tasks[0]
+    envs.reset(seed=list(short.seeds))
+    total = sum(envs.step(np.zeros((3, 4)))[1][0] for _ in range(task.n_steps))
+    envs.close()
+    first = scored("open-loop")["scenarios"][0]["results"][0]
+    assert total / task.scenario.duration == pytest.approx(first["objective"], rel=1e-12)
+
+
+def test_energy_costs_and_distance_from_the_line_makes_progress_worthless(short):
+    task = short.tasks[0]
+    near, far = (_worth(task, y=y, power=0.0) for y in (0.0, task.tolerance))
+    assert far == pytest.approx(0.5 * near)
+    assert near - _worth(task, y=0.0, power=10.0) == pytest.approx(10.0 * task.interval / task.price)
+
+
+def _worth(task, y, power):
+    from types import SimpleNamespace
+
+    before, after = (SimpleNamespace(x=x, y=y) for x in (0.0, 0.02))
+    return task.reward(SimpleNamespace(before=before, after=after, interval=task.interval, power=power))
+
+
+# ---- scores ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_policy_has_the_same_scores_to_the_last_bit():
+    assert scored("ilos")["sha256"] == scored("ilos")["sha256"] != scored("los")["sha256"]
+
+
+def test_a_score_file_is_what_its_schema_says_and_is_read_back(tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    content = scored("los")
+    text = scoring.text_of(content)
+    jsonschema.validate(json.loads(text), json.loads(scoring.SCHEMA.read_text()))
+    file = tmp_path / "los.json"
+    file.write_text(text)
+    assert scoring.read_scores(file) == json.loads(text)
+    file.write_text(text.replace('"progress": 0.', '"progress": 1.', 1))
+    with pytest.raises(scoring.BadScores, match=r"los\.json: its checksum is wrong; it was changed"):
+        scoring.read_scores(file)
+    old = content | {"scenarios": [content["scenarios"][0] | {"sha256": "0" * 64}]}
+    file.write_text(json.dumps(old | {"sha256": scoring.checksum(old)}))
+    with pytest.raises(scoring.BadScores, match="was scored in another version of economy; score it again"):
+        scoring.read_scores(file)
+    file.write_text("[]")
+    with pytest.raises(scoring.BadScores, match="is no score file"):
+        scoring.read_scores(file)
+
+
+def test_actions_that_are_none_are_refused():
+    bad = Method(name="bad", kind="callable", sha256="", pilot=lambda *_: lambda seen: np.full((len(seen), 4), np.nan))
+    with pytest.raises(scoring.BadScores, match="bad: said actions of shape"):
+        scored(bad)
+
+
+# ---- policies from outside -------------------------------------------------------------------------------------------
+
+OUTSIDE = """
+import numpy as np
+import laticauda as lc
+
+
+def still(observation):
+    return np.zeros(4)
+
+
+class Still:
+    def __call__(self, observation):
+        assert observation.shape == (13,)
+        return np.zeros(4)
+
+
+gait = lc.Gait(amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40)
+controller = lc.OpenLoop(command=lc.Command(gait=gait), interval=0.2)
+nothing = 3
+"""
+
+
+@pytest.mark.parametrize("name", ["still", "Still", "controller"])
+def test_a_callable_from_outside_is_scored_as_a_baseline_is(tmp_path, monkeypatch, name):
+    (tmp_path / "outside.py").write_text(OUTSIDE)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    ours, theirs = (scored(each)["scenarios"][0]["results"] for each in ("open-loop", f"outside:{name}"))
+    np.testing.assert_allclose([one["score"] for one in theirs], [one["score"] for one in ours], rtol=1e-9)
+    sys.modules.pop("outside")
+
+
+def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "outside.py").write_text(OUTSIDE)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(ValueError, match="`policy` must name a function, a class or a controller, got outside:nothing"):
+        method("outside:nothing")
+    sys.modules.pop("outside")
+    with pytest.raises(ValueError, match=r"`policy` must be a file that is there, got gone\.onnx"):
+        method("gone.onnx")
+    with pytest.raises(ValueError, match="`policy` must be one of `open-loop`, `los`"):
+        method("nobody")
+
+
+def test_weights_in_a_file_are_the_network_that_was_written(tmp_path):
+    draws = np.random.default_rng(1)
+    runs = [[(draws.normal(size=(8, 13)), np.ones(8)), (draws.normal(size=(4, 8)), np.zeros(4))] for _ in range(2)]
+    networks.save(tmp_path / "mine.npz", runs, "tanh", squash=True)
+    seen = draws.normal(size=(5, 13))
+    found = networks.load(tmp_path / "mine.npz")
+    for network, ((w0, b0), (w1, b1)) in zip(found, runs, strict=True):
+        expected = np.tanh(np.tanh(seen @ w0.T + b0) @ w1.T + b1)
+        np.testing.assert_allclose(network(seen), expected, atol=0.02)  # stored in half precision
+        np.testing.assert_array_equal(network(seen)[2], network(seen[2:3])[0])
+    content = scored(str(tmp_path / "mine.npz"))
+    assert content["method"]["runs"] == 2
+    assert matrix(content["scenarios"][0]).shape == (2, 3)
+
+
+def test_an_onnx_file_is_scored_or_says_what_it_needs(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    (tmp_path / "mine.onnx").write_bytes(b"")
+    with pytest.raises(ImportError, match="needs onnxruntime; run `pip install onnxruntime`"):
+        method(str(tmp_path / "mine.onnx"))
+
+
+# ---- statistics and table --------------------------------------------------------------------------------------------
+
+
+def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end():
+    values = np.random.default_rng(0).normal(size=41)
+    assert interquartile_mean(values) == pytest.approx(np.sort(values)[10:31].mean())
+
+
+def test_an_interval_shrinks_with_the_root_of_the_number_of_episodes():
+    draws = np.random.default_rng(0)
+    small, large = (estimate([draws.normal(size=(1, n))], mean) for n in (25, 400))
+    assert 3.0 < (small.high - small.low) / (large.high - large.low) < 5.0
+    assert small.low < small.value < small.high
+
+
+def test_of_a_learner_runs_are_resampled_and_not_episodes():
+    same_runs = np.tile([0.0, 1.0, 2.0], (5, 1))
+    found = estimate([same_runs], over_runs)
+    assert found.low == found.value == found.high == 1.0
+
+
+# ---- what is kept in the distribution --------------------------------------------------------------------------------
+
+
+def test_the_command_scores_and_tables(tmp_path, capsys):
+    assert main(["score", "open-loop", "los", "--scenarios", QUICK, "--output", str(tmp_path)]) == 0
+    assert "| LOS | 1 |" in capsys.readouterr().out
+    assert main(["table", str(tmp_path / "los.json")]) == 0
+    assert "economy" in capsys.readouterr().out
+    assert main(["score", "nobody"]) == 2
+    assert "`policy` must be one of" in capsys.readouterr().err
+
+
+def test_the_page_has_the_table_of_the_stored_scores(monkeypatch):
+    monkeypatch.undo()
+    stored = [scoring.read_scores(file) for file in sorted(RESULTS.glob("*.json"))]
+    page = (RESULTS.parents[4] / "docs" / "swimbench.md").read_text(encoding="utf-8")
+    assert table(stored) in page
