@@ -4,7 +4,7 @@ The learner is an evolution strategy (CMA-ES) on a policy of ten numbers. In 64 
 swim four episodes each, so a generation is 19 200 steps of 0.2 s and takes a fraction of a second. Three seeds; the
 episodes at the end are new to all. `campaigns/learning.py` has PPO of stable-baselines3 in place of it.
 
-    pip install "laticauda[learn]"
+    pip install "laticauda[learn]" cma
     python examples/14_learning.py
 """
 

@@ -1,13 +1,16 @@
 """Rules of the house that no other tool checks."""
 
 import ast
+import csv
 import importlib.metadata
 import io
+import itertools
 import re
 import subprocess
 import sys
 import tokenize
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,6 +44,7 @@ HEAVY = [
     "xarray",
     "zarr",
 ]
+MODULES = sorted((ROOT / "src").rglob("*.py"))
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -132,28 +136,109 @@ def test_the_version_is_stated_in_one_place():
     assert beside <= {str(file.relative_to(ROOT)) for file in ROOT.glob("plugins/*/pyproject.toml")}
 
 
-def test_every_dependency_has_a_lower_and_an_upper_bound():
+def required(*groups: str) -> dict[str, set[str]]:
+    """What the package wants, by name, and how it is written; extras are named, "" is what all have."""
     project = PYPROJECT["project"]
-    groups = [
-        project["dependencies"],
-        *project["optional-dependencies"].values(),
-        *PYPROJECT["dependency-groups"].values(),
-    ]
-    wanted = [requirement for group in groups for requirement in group if not requirement.startswith("laticauda[")]
-    unbounded = [
-        requirement for requirement in wanted if "==" not in requirement and not re.search(r">=.*,<", requirement)
-    ]
-    assert not unbounded
+    extras = {"": project["dependencies"], **project["optional-dependencies"]}
+    found: dict[str, set[str]] = {}
+    for requirement in itertools.chain.from_iterable(extras[group] for group in groups or extras):
+        name = re.split(r"[^\w.-]", requirement)[0]
+        if name != "laticauda":
+            found.setdefault(distribution(name), set()).add(requirement)
+    return found
 
 
-def test_the_extra_all_is_all_of_them():
-    extras = dict(PYPROJECT["project"]["optional-dependencies"])
-    (everything,) = extras.pop("all")
-    assert everything == f"laticauda[{','.join(extras)}]"
+def distribution(name: str) -> str:
+    return name.lower().replace("_", "-")
+
+
+def test_every_dependency_has_a_lower_bound_and_the_same_one_everywhere():
+    assert not {name: written for name, written in required().items() if len(written) > 1}
+    assert all(">=" in requirement for written in required().values() for requirement in written)
+    assert {one for one in PYPROJECT["build-system"]["requires"] if not one.startswith("hatchling")} <= {
+        requirement for written in required().values() for requirement in written
+    }
+
+
+def test_an_upper_bound_has_a_reason():
+    text = (
+        (ROOT / "pyproject.toml")
+        .read_text(encoding="utf-8")
+        .partition("[project]")[2]
+        .partition("[project.scripts]")[0]
+    )
+    capped = [line for line in text.splitlines() if re.search(r'>=[^"]*,<', line)]
+    assert len(capped) == sum(",<" in requirement for written in required().values() for requirement in written)
+    assert not [line for line in capped if "  # " not in line]
+
+
+def test_the_extra_all_is_all_but_the_large_ones():
+    large = {"all", "export", "sb3"}
+    extras = PYPROJECT["project"]["optional-dependencies"]
+    assert extras["all"] == [f"laticauda[{','.join(extra for extra in extras if extra not in large)}]"]
+
+
+def imports(tree: ast.AST) -> Iterator[tuple[str, str]]:
+    """What is imported, and with which of our extras it comes, or "" where that is not said."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import(names=names):
+                yield from ((alias.name, "") for alias in names)
+            case ast.ImportFrom(module=str(module), level=0):
+                yield module, ""
+            case ast.Call(func=ast.Name(id="import_module"), args=[ast.Constant(value=str(module)), *_]):
+                yield module, ""
+            case ast.Call(func=ast.Name(id="hardware"), args=[_, ast.Constant(value=str(module))]):
+                yield module, "hardware"
+            case ast.Call(
+                func=ast.Name(id="optional_import"), args=[_, package, ast.Constant(value=str(extra)), *module]
+            ):
+                match module[0] if module else package:
+                    case ast.Constant(value=str(name)) | ast.JoinedStr(values=[ast.Constant(value=str(name)), *_]):
+                        yield name, extra
+            case _:
+                pass
+
+
+def test_what_is_imported_is_declared_in_the_extra_that_is_named_and_nothing_is_declared_in_vain():
+    homes = importlib.metadata.packages_distributions()
+    own = {"laticauda", *sys.stdlib_module_names}
+    found = {
+        (*(distribution(home) for home in homes.get(top, [top])), extra)
+        for module in MODULES
+        for name, extra in imports(ast.parse(module.read_text(encoding="utf-8")))
+        if (top := name.split(".")[0]) not in own
+    }
+    assert not {one for one in found if not {*one[:-1]} & required(*({"", one[-1]} if one[-1] else ())).keys()}
+    program = {"ziglang"}  # run, not imported
+    assert required().keys() - {name for one in found for name in one} == program
+
+
+def test_the_pages_give_the_extras_the_weights_that_were_measured():
+    with (ROOT / "campaigns" / "environments.csv").open(newline="", encoding="utf-8") as lines:
+        answers = {row["case"]: row["answer"] for row in csv.DictReader(lines)}
+    weights = {case.removeprefix("size of "): answer for case, answer in answers.items() if case.startswith("size of ")}
+    assert {*PYPROJECT["project"]["optional-dependencies"], "plain"} - weights.keys() == {"sb3"}
+    for page in ("README.md", "docs/install.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        shown = dict(re.findall(r"^\|.*`(\w+)` \|.*?(\d+ MB)", text, re.MULTILINE))
+        assert shown.items() <= weights.items()
+        assert weights.keys() - shown.keys() == {"plain"}
+        assert weights["plain"] in text
+
+
+def test_the_recipe_for_conda_wants_what_the_package_wants():
+    names = {"matplotlib-base": "matplotlib", "mujoco-python": "mujoco"}
+    recipe = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8").partition("  run:\n")[2]
+    listed = {
+        names.get(name, name): bounds for name, bounds in re.findall(r"^    - ([\w-]+) (>=\S+)$", recipe, re.MULTILINE)
+    }
+    wanted = {name: one for name, written in required().items() for one in written}
+    assert required("").keys() <= listed.keys() <= {*wanted, "python"}
+    assert all(wanted[name].endswith(bounds) for name, bounds in listed.items() if name != "python")
 
 
 SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
-MODULES = sorted((ROOT / "src").rglob("*.py"))
 
 
 def source_lines(text: str) -> int:

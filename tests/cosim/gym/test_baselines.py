@@ -22,7 +22,7 @@ def test_who_lacks_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch):
 
     monkeypatch.delitem(sys.modules, "laticauda.cosim.gym.baselines", raising=False)
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(MissingExtra, match=r'needs stable-baselines3; run `pip install "laticauda\[learn\]"`'):
+    with pytest.raises(MissingExtra, match=r'needs stable-baselines3; run `pip install "laticauda\[sb3\]"`'):
         importlib.import_module("laticauda.cosim.gym.baselines")
 
 

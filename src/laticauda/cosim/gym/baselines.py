@@ -13,7 +13,7 @@ from laticauda.errors import BadArgument, MissingExtra, instance
 try:
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 except ImportError as error:
-    raise MissingExtra("Learning with stable-baselines3", "stable-baselines3", "learn") from error
+    raise MissingExtra("Learning with stable-baselines3", "stable-baselines3", "sb3") from error
 
 
 class StableBaselines(VecEnv):
