@@ -232,12 +232,12 @@ def cockpit(folder: Path) -> None:
         seen.shoot(folder / "cockpit.png")
         seen.cockpit.live.link_forces = False
         seen.open("Map")
-        board = seen.cockpit._board
-        board._on.value = True
-        seen.cockpit.frame()
-        board._worker.join()
-        seen.cockpit.frame()
-        seen.look((0.1, -2.6, 0.8), 0.45)
+        gaits = seen.cockpit._map
+        gaits._on.value = True
+        gaits.show()
+        gaits._worker.join()
+        gaits.show()
+        seen.look((-0.45, -1.9, 1.1), 0.5)
         seen.shoot(folder / "cockpit-map.png")
 
 

@@ -82,6 +82,16 @@ class Extensible:
         return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
 
 
+def above(name: str) -> Any:
+    """A function of a package that those who call it stand below, and must not import; see `extensions.toml`.
+
+    Args:
+        name: What it is called there.
+    """
+    module, _, function = HOMES["above"][name].partition(":")
+    return getattr(import_module(module), function)
+
+
 class Unknown:
     """Mixin of stand-ins, see `Extensible.stand_in`."""
 

@@ -97,7 +97,7 @@ BAD = {
     "swim --save nofolder/run.nc": "--save must be a file in a folder that exists, got nofolder/run.nc.",
     "swim --save run.txt": "--save must be a file that ends in .nc, got run.txt.",
     "swim --save folder.nc": "--save must be a file, got the folder folder.nc.",
-    "swim --plot picture.jpg": "--plot must be a file that ends in .png or .pdf, got picture.jpg.",
+    "swim --plot picture.jpg": "--plot must be a file that ends in .png or .pdf or .svg, got picture.jpg.",
     "swim --plot nofolder/p.png": "--plot must be a file in a folder that exists, got nofolder/p.png.",
     "swim --resume nofile.nc": "Cannot read nofile.nc: no such file or directory.",
     "swim --resume text.toml": "Cannot load text.toml: it is no netCDF file",

@@ -70,7 +70,7 @@ def test_bad_input_is_named(run):
         "--parameters water.normal_drag --sensors sonar": "--sensors must be of speed, power, path",
         "--parameters water.normal_drag --criterion E": "--criterion must be",
         "--parameters water.normal_drag --trials 0": "must be",
-        "--parameters water.normal_drag --output a.txt": "--output must be a file that ends in .png or .pdf",
+        "--parameters water.normal_drag --output a.txt": "--output must be a file that ends in .png or .pdf or .svg",
         "--after none.toml": "none.toml",
     }
     for words, text in cases.items():

@@ -13,7 +13,7 @@ import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
-from laticauda.cockpit.board import with_wave
+from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, with_wave
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.readouts import numbers_text
 from laticauda.cockpit.simulation import depth_of, path_of, route_of
@@ -148,23 +148,24 @@ def test_the_path_goes_where_it_is_dragged(cockpit):
     assert path.angle == pytest.approx(0.4)
 
 
-def test_a_click_on_the_map_sets_the_gait(cockpit):
-    board, live = cockpit._board, cockpit.live
-    board._on.value = True
+def test_the_best_gait_of_the_map_can_be_swum_and_is_marked_on_it(cockpit):
+    shown, live = cockpit._map, cockpit.live
+    shown._on.value = True
     end = time.monotonic() + 60.0
-    while board._frame is None and time.monotonic() < end:
-        cockpit.frame()
+    while not shown._image.visible and time.monotonic() < end:
+        shown.show()
         time.sleep(0.05)
-    right, down, _ = board._place(42.4, 151.0)  # the nearest trial counts
-    eye, goal = np.array([0.3, -2.0, 1.5]), board._frame.position + np.array([right, 0.0, -down])
-    board._click(Event(Page(), None, (eye, goal - eye)))
+    before = shown._image.image
+    shown._swim_best(Event(Page(), None, None))
     cockpit._show_scenario()
-    assert live.scenario.gait == with_wave(GAIT, 40.0, 160.0)
-    assert control(cockpit, "amplitude").value == 40.0
-    assert board.pointed_at(eye, np.array([0.0, 1.0, 2.0])) is None  # beside the board
-    board._on.value = False
-    cockpit.frame()
-    assert board._frame is None
+    i, j = np.unravel_index(np.nanargmax(shown._values()), shown._values().shape)
+    assert live.scenario.gait == with_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
+    assert control(cockpit, "amplitude").value == AMPLITUDES[j]
+    shown.show()
+    assert not np.array_equal(shown._image.image, before)
+    shown._on.value = False
+    shown.show()
+    assert not shown._image.visible
 
 
 def test_a_run_is_saved_and_comes_back_as_a_ghost(cockpit, tmp_path):

@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import laticauda as lc
+from laticauda.control import Following
 from laticauda.trial import following
 
 PERIOD = 4.0
@@ -77,3 +79,15 @@ def test_what_has_no_meaning_is_refused():
 def test_a_run_that_followed_no_path_has_no_such_figures(make_trial):
     with pytest.raises(ValueError, match="`trial` must be a run that followed a path: it has no signal"):
         following.summary(make_trial())
+
+
+def test_a_run_that_goes_on_behind_the_end_of_its_path_says_when_it_was_there():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+
+    def end_of(*waypoints):
+        trial = lc.swim("mamba-fin", Following(waypoints=waypoints).controller(gait), 15.0)
+        return following.summary(trial)["end_time"], trial
+
+    passed, trial = end_of((0.0, 0.0), (1.0, 0.0))
+    assert np.interp(passed, trial.time, trial.center_of_mass[:, 0]) == pytest.approx(1.0, abs=0.03)
+    assert end_of((0.0, 0.0), (100.0, 0.0))[0] is None

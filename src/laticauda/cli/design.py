@@ -86,7 +86,7 @@ class DesignExperiment(Command):
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     candidates: Candidates = option("Trials that could be done", default=Candidates())
-    output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
+    output: Picture = option("A figure, .png, .pdf or .svg: uncertainty over the number of trials", default=None)
 
     tank_day: Place = option("A new folder gets a list of runs and files to fill, a filled one is judged", default=None)
 

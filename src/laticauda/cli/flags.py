@@ -106,7 +106,7 @@ def _shown(value: Any) -> list[str]:
 
 File = Annotated[str | None, _place("FILE")]
 NetCdf = Annotated[File, Written((".nc",))]
-Picture = Annotated[File, Written((".png", ".pdf"))]
+Picture = Annotated[File, Written((".png", ".pdf", ".svg"))]
 Mp4 = Annotated[File, Written((".mp4",))]
 Toml = Annotated[File, Written((".toml",))]
 Folder = Annotated[str, _place("DIR")]

@@ -21,7 +21,9 @@ class Recording(trial.Filming):
     """A command that makes a trial, and what becomes of that."""
 
     save: NetCdf = option("Write the trial to this netCDF file (.nc)", default=None)
-    plot: Picture = option("Draw path, speed, joint angles and torques into this picture (.png or .pdf)", default=None)
+    plot: Picture = option(
+        "Draw path, speed, joint angles and torques into this picture (.png, .pdf or .svg)", default=None
+    )
     sheet: ClassVar[str] = "swim_sheet"
 
     def outcome(
@@ -274,7 +276,7 @@ class Replay(Recording):
     kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
     control: bool = option("Controller decides again, and compare its commands with the recorded", default=False)
     learn: bool = option("Learn water, current and changes from the recorded samples, again or at all", default=False)
-    plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png or .pdf)", default=None)
+    plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None)
 
     def run(self) -> command.Outcome:
         """Read, run again, and write."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.access import Door
-from laticauda.cockpit import board, controls, pages, readouts, runs, scene, simulation
+from laticauda.cockpit import controls, gait_map, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
 from laticauda.cockpit.pages import Event, EventQueue, refusing
@@ -55,7 +55,7 @@ class Cockpit:
         with tabs.add_tab("Plots"):
             self._plots = readouts.Plots(gui)
         with tabs.add_tab("Map"):
-            self._board = board.Board(gui, self._server.scene, live, self._events, self._show_scenario)
+            self._map = gait_map.GaitMap(gui, live, self._events, self._show_scenario)
         with tabs.add_tab("Run"):
             self._runs = runs.Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
@@ -127,12 +127,12 @@ class Cockpit:
                 self._scene.trail.forget()
                 self._new_trail = False
             self._scene.show(plant.robot, plant.environment, sample, forces=live.link_forces)
-            self._board.show(sample.center_of_mass)
             self._runs.show()
             operated = self.operated.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
                 self._scene.trail.draw()
                 self._figures.content = readouts.numbers_text(live)
+                self._map.show()
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
         self._cameras.show(sample.center_of_mass if operated is None else operated)

@@ -45,15 +45,16 @@ SPEED = LinearSegmentedColormap.from_list("speed", ["#FFFFFF", "#CFE3F1", "#8DBB
 HEIGHT = LinearSegmentedColormap.from_list("height", ["#8DBBDC", "#FFFFFF", "#EFC9A8"])
 
 
-def path_strip(trial: Trial, ax: Axes) -> Axes:
+def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
     """The path of the center of mass, with the body drawn along it like a film strip, older postures lighter.
 
     The body has its real lengths and widths; the head is orange and pointed, a fin is a dark line at the tail.
 
     Args:
         trial: Any trial, a failed one too.
-        ax: Where to draw.
+        ax: Where to draw; None: in a figure of its own, `ax.figure`.
     """
+    ax = ax or style.new_figure(style.DOUBLE_COLUMN, 3.0).add_subplot()
     robot = trial.chain
     half_width = max(module.section.half_width for module in robot.modules)
     samples = instants(trial)

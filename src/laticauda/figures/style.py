@@ -8,6 +8,7 @@ beside those of the user.
 # pyright: reportUnknownMemberType=false
 
 import functools
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -45,6 +46,15 @@ AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # wha
 Outside = Literal["outside lower center", "outside lower left", "outside right upper"]
 
 
+class Picture(Figure):
+    """A figure that notebooks show, pyplot or not."""
+
+    def _repr_png_(self) -> bytes:
+        content = io.BytesIO()
+        self.savefig(content, format="png", dpi=DOTS_PER_INCH / 2)
+        return content.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure that belongs to no window.
 
@@ -52,7 +62,7 @@ def new_figure(width: float, height: float) -> Figure:
         width: [in].
         height: [in].
     """
-    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure = Picture(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
@@ -62,22 +72,27 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
 
     Args:
         figure: Any figure; its layout is settled here.
-        paths: Their endings, .png or .pdf, say the formats.
+        paths: Their endings, .png, .pdf or .svg, say the formats.
 
     Raises:
         StorageFailed: If one cannot be written.
     """
     # A date or a version in the file would make every one different.
-    metadata: dict[str, Any] = {".png": {"Software": None}, ".pdf": {"CreationDate": None, "Creator": None}}
+    metadata: dict[str, Any] = {".pdf": {"CreationDate": None, "Creator": None}, ".svg": {"Date": None}}
+    settle(figure)
+    for path in paths:
+        about = metadata.get(Path(path).suffix.lower(), {"Software": None})
+        write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
+
+
+def settle(figure: Figure) -> None:
+    """Lay a figure out for good: else matplotlib draws all of it twice whenever it is drawn, for the layout."""
     if (layout := figure.get_layout_engine()) is not None:
         before = figure.get_dpi()
         figure.set_dpi(DOTS_PER_INCH)
         layout.execute(figure)
         figure.set_dpi(before)
-        figure.set_layout_engine("none")  # settled: else matplotlib draws all of it once more, for the layout alone
-    for path in paths:
-        about = metadata.get(Path(path).suffix.lower())
-        write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
+        figure.set_layout_engine("none")
 
 
 def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
@@ -94,7 +109,7 @@ def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
     return ax
 
 
-def head(figure: Figure, title: str, note: str = "") -> None:
+def head(figure: Figure, title: str, note: str = "") -> Text:
     """A title above all panels, with a line under it; the layout keeps room for both.
 
     Args:
@@ -104,6 +119,7 @@ def head(figure: Figure, title: str, note: str = "") -> None:
     """
     shown = figure.suptitle(f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left")
     shown.set_linespacing(1.35)
+    return shown
 
 
 def legend(ax: Axes, **settings: Any) -> None:

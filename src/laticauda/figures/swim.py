@@ -7,6 +7,7 @@ And how punctual the loop of an operated run was: the distribution of its period
 # pyright: reportUnknownMemberType=false
 
 import math
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -107,7 +108,7 @@ def swim_sheet(trial: Trial) -> Figure:
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
-    figure.suptitle(_title(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
+    figure.suptitle(title_of(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)
@@ -116,6 +117,15 @@ def swim_sheet(trial: Trial) -> Figure:
         figure.align_ylabels([velocity, angle, torque])
     _scale(figure, trial, [torque] if grid.ncols == 3 else [angle, torque])
     return figure
+
+
+def sheet(trial: Trial) -> Figure:
+    """The one picture that shows most of a run: `follow_sheet` of one that followed a path, else `swim_sheet`.
+
+    Args:
+        trial: Any trial, a failed one too.
+    """
+    return follow_sheet(trial) if "cross_track_error" in trial.signals else swim_sheet(trial)
 
 
 # ---- parts ---------------------------------------------------------------------------------------------------------
@@ -174,7 +184,8 @@ def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
     return middle, np.linalg.norm(after - before, axis=1) / trial.period
 
 
-def _title(trial: Trial) -> str:
+def title_of(trial: Trial) -> str:
+    """Who swims how, in a line."""
     text = trial.robot.name
     if trial.gait is not None:
         gait = trial.gait
@@ -209,6 +220,10 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
     """
     path_strip(trial, ax)
     ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
+    corners: Sequence[tuple[float, float]] = getattr(following.path_of(trial), "waypoints", ())
+    if corners:
+        ax.plot(*np.array(corners).T, **style.points("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6))
+        style.note(ax, "end", corners[-1], (5, -9), color=style.ORANGE)
     return ax
 
 
@@ -247,14 +262,13 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
 
     Args:
         trial: A run with the signals of path following.
-        title: Above all panels, which then have letters as the paper's Figs. 12 to 23; "": neither.
+        title: Above all panels, which then have letters as the paper's Figs. 12 to 23; "": who swims how, no letters.
         note: A second line under the title; "" for none.
     """
     wide, high = extent(trial)
     width = style.DOUBLE_COLUMN
     strip = float(np.clip((width - 0.8) * high / wide, *FOLLOWED_HEIGHT))
-    head = TITLE if title else 0.0
-    figure = style.new_figure(width, strip + BELOW_HEIGHT + 2.0 * LABELS + head)
+    figure = style.new_figure(width, strip + BELOW_HEIGHT + 2.0 * LABELS + TITLE)
     grid = figure.add_gridspec(2, 2, height_ratios=(strip + LABELS, BELOW_HEIGHT + LABELS))
     axes = (
         path_beside(trial, figure.add_subplot(grid[0, :])),
@@ -264,7 +278,7 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
     if title:
         for place, ax in enumerate(axes):
             style.letter(ax, place)
-        style.head(figure, title, note)
+    style.head(figure, title or title_of(trial), note)
     return figure
 
 

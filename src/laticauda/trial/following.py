@@ -5,7 +5,7 @@ cycle: the center of mass of a swimming snake swings across its course, and that
 """
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -148,7 +148,9 @@ def summary(trial: Trial) -> dict[str, float | None]:
         raise BadArgument("trial", "must be a run that followed a path: it has no signal `cross_track_error`")
     found: dict[str, float | None] = dict.fromkeys(FIGURES)
     time, error = trial.time, trial.signals["cross_track_error"]
-    period = trial.period
+    period, end = trial.period, getattr(path_of(trial), "lengths", (np.inf,))[-1]
+    if trial.signals["along_track_distance"][-1] >= end:
+        found["end_time"] = float(time[np.argmax(trial.signals["along_track_distance"] >= end)] - time[0])
     if time.size > 1:
         found["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
     if period is None or time[-1] - time[0] < 1.5 * period:
@@ -163,6 +165,11 @@ def summary(trial: Trial) -> dict[str, float | None]:
         found["steady_error"] = steady_error(time, error, period, reached.time)
         found["ripple"] = ripple(time, error, period, reached.time)
     return found
+
+
+def path_of(trial: Trial) -> Any:
+    """The path that a run was to follow; None if nobody knows."""
+    return getattr(getattr(trial.scenario, "motion", None), "path", None)
 
 
 def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:

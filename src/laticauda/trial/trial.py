@@ -11,11 +11,15 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 import numpy as np
 
 from laticauda.errors import BadArgument
+from laticauda.extensions import above
 from laticauda.trial import contents, cycles, metrics
 from laticauda.trial.dataset import fields_of, save, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
 
 if TYPE_CHECKING:
+    import matplotlib.animation
+    import matplotlib.axes
+    import matplotlib.figure
     import xarray
 
 
@@ -162,6 +166,34 @@ class Trial(contents.Contents):
                 values[figure.name] = None
                 reasons[figure.name] = str(reason)
         return values, reasons
+
+    # ---- pictures -----------------------------------------------------------------------------------------------
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """The run in one picture: path, speed, joint angles and torques; or, if it followed a path, how well.
+
+        A notebook shows it; `trial.plot().savefig("run.png")` writes a file.
+        """
+        return above("sheet")(self)
+
+    def plot_path(self, ax: "matplotlib.axes.Axes | None" = None) -> "matplotlib.axes.Axes":
+        """The path of the center of mass with the body drawn along it.
+
+        Args:
+            ax: Where to draw; None: in a figure of its own, the `figure` of the axes that come back.
+        """
+        return above("path_strip")(self, ax)
+
+    def animate(self, *, speed: float = 1.0, frames_per_second: float = 15.0) -> "matplotlib.animation.FuncAnimation":
+        """The run from above as a film.
+
+        A notebook shows it; `trial.animate().save("run.gif")` writes a file, and so do .webp, and .mp4 with ffmpeg.
+
+        Args:
+            speed: How many times as fast to show it [-].
+            frames_per_second: Pictures in a second of the film [1/s].
+        """
+        return above("swim_film")(self, speed=speed, frames_per_second=frames_per_second)
 
     # ---- files and tables ----------------------------------------------------------------------------------------
 

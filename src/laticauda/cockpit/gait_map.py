@@ -1,0 +1,154 @@
+"""The map of the gaits: trials over amplitude and frequency as a chart in the panel, with the present gait on it."""
+
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportAttributeAccessIssue=false
+# pyright: reportUnknownArgumentType=false
+
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+import laticauda as lc
+from laticauda.cockpit.live import Live
+from laticauda.cockpit.pages import Event, EventQueue, refusing
+from laticauda.errors import LaticaudaError
+from laticauda.figures import style
+from laticauda.studies.sweep import COSTS, QUANTITIES
+
+AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
+FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
+OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")}
+"""What there are maps of, by what the page calls it."""
+DURATION = 20.0  # of every trial [s]
+SIZE = (3.4, 2.9)  # [in]
+Values = Float[np.ndarray, "n_frequencies n_amplitudes"]
+Picture = Any  # of pixels
+WAITING = (
+    f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials of this robot, water and joints; "
+    "the first map on a computer also compiles, some 20 s ..."
+)
+OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: how it swims now."
+
+
+class GaitMap:
+    """The chart and the controls that belong to it.
+
+    Args:
+        gui: Of the page's server; they go where it is.
+        live: Whose gait is shown.
+        events: Where the best gait is set.
+        changed: Called after that.
+    """
+
+    def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
+        self._live = live
+        self._on = gui.add_checkbox("show the map", False, hint="Over amplitude and frequency; some seconds of work")
+        self._quantity = gui.add_dropdown("quantity", tuple(OF_GAITS))
+        self._image = gui.add_image(np.zeros((1, 1, 3), dtype=np.uint8), format="png", visible=False)
+        self._best = gui.add_button("swim the best of the map", visible=False)
+        self._best.on_click(events.handler(self._swim_best, then=changed))
+        self._text = gui.add_markdown("")
+        self._computed: tuple[lc.Scenario, dict[str, Values]] | None = None  # and of what; empty where that failed
+        self._worker: threading.Thread | None = None
+        self._drawn: object = None
+
+    def show(self) -> None:
+        """Bring it up to date: called now and then, returns at once."""
+        values = self._values() if self._on.value else None
+        self._image.visible = self._best.visible = values is not None
+        if not self._on.value:
+            self._text.content = ""
+        gait, quantity = self._live.scenario.gait, OF_GAITS[self._quantity.value]
+        wanted = id(values), quantity, gait.amplitude, gait.frequency
+        if values is not None and self._drawn != wanted:
+            self._drawn, self._image.image = wanted, gait_map_picture(values, quantity, gait)
+
+    def _values(self) -> Values | None:
+        """What is to be drawn; None as long as there is none."""
+        base = base_of(self._live.scenario)
+        is_busy = self._worker is not None and self._worker.is_alive()
+        if not is_busy and (self._computed is None or self._computed[0] != base):
+            self._text.content = WAITING
+            self._worker = threading.Thread(target=self._compute, args=(base,), name="map", daemon=True)
+            self._worker.start()
+        return None if self._computed is None else self._computed[1].get(OF_GAITS[self._quantity.value])
+
+    def _compute(self, base: lc.Scenario) -> None:
+        try:
+            self._computed, self._text.content = (base, map_of_gaits(base)), OF_THE_GAITS
+        except (ValueError, LaticaudaError) as error:
+            self._computed, self._text.content = (base, {}), str(error)
+
+    @refusing
+    def _swim_best(self, _: Event) -> None:
+        values, quantity = self._values(), OF_GAITS[self._quantity.value]
+        if values is None or np.isnan(values).all():
+            return
+        i, j = np.unravel_index((np.nanargmin if quantity in COSTS else np.nanargmax)(values), values.shape)
+        self._live.alter(gait=with_wave(self._live.scenario.gait, AMPLITUDES[j], FREQUENCIES[i]))
+
+
+# ---- what it shows ---------------------------------------------------------------------------------------------------
+
+
+def base_of(scenario: lc.Scenario) -> lc.Scenario:
+    """What the map depends on: scenarios with equal ones share it. It is in the plane, without steering.
+
+    Args:
+        scenario: What swims how.
+    """
+    gait = replace(scenario.gait, amplitude=0.0, frequency=0.0)
+    return replace(scenario, motion=gait, model=lc.Planar(joints=scenario.model.joints))
+
+
+def map_of_gaits(scenario: lc.Scenario) -> dict[str, Values]:
+    """Trials of `DURATION` from rest side by side: each quantity of `OF_GAITS`, over frequency and amplitude.
+
+    Args:
+        scenario: What swims how.
+
+    Raises:
+        ValueError: If the batch cannot compute such trials.
+    """
+    base = replace(base_of(scenario), duration=DURATION, sample_interval=0.05)
+    gaits = [with_wave(base.gait, amplitude, frequency) for frequency in FREQUENCIES for amplitude in AMPLITUDES]
+    swims = lc.swim_many([replace(base, motion=gait) for gait in gaits])
+    shape = len(FREQUENCIES), len(AMPLITUDES)
+    return {name: np.asarray(getattr(swims, name)).reshape(shape) for name in OF_GAITS.values()}
+
+
+def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc.Gait:
+    """The gait with another amplitude [deg] and frequency [deg/s]."""
+    return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
+
+
+def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> Picture:
+    """A quantity as colors over amplitude and frequency, a gait as a dot; gray where a trial failed.
+
+    Args:
+        values: Of every trial.
+        quantity: One of `OF_GAITS`.
+        gait: The one to mark.
+    """
+    figure = style.new_figure(*SIZE)
+    figure.set_dpi(220)
+    ax = figure.add_subplot()
+    ax.set_facecolor("#c8c8c8")
+    mesh = ax.pcolormesh(AMPLITUDES, FREQUENCIES, np.ma.masked_invalid(values), shading="nearest")
+    style.dress(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
+    ax.autoscale_view()
+    ax.autoscale(False)
+    ax.plot(math.degrees(gait.amplitude), math.degrees(gait.frequency), **style.points("o", 7.0, "#E63C1E"))
+    unit = QUANTITIES[quantity][0]
+    style.head(figure, f"{quantity.replace('_', ' ').capitalize()} [{'-' if unit == '1' else unit}]")
+    bar: Any = figure.colorbar(mesh, ax=ax)
+    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
+    bar.outline.set_visible(False)
+    canvas: Any = figure.canvas
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
