@@ -94,7 +94,7 @@ def test_the_names_are_listed(run):
     [
         ("--vary amplitude-deg=1:2:3", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'ampl.*3'"),
         ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'amplitude-deg'"),
-        ("--vary amplitud-deg=1:2", "got 'amplitud-deg'; the nearest are amplitude-deg"),
+        ("--vary amplitud-deg=1:2", "got 'amplitud-deg'; the nearest are `amplitude-deg`"),
         ("--vary amplitude-deg=2:1", "--vary must have low < high, got 'amplitude-deg=2:1'."),
         ("--vary amplitude-deg=-3:3", "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl"),
         ("--vary n-links=5.5:8", "robot.n_links. must be a whole number, got 5.5"),

@@ -100,7 +100,7 @@ def test_degrees_are_in_the_name():
             "--vary must have a COUNT that is a whole number >= 1, got 'ampl",
         ),
         ("--vary amplitude-deg=1,", "--vary must be NAME=LOW:HIGH:COUNT"),
-        ("--vary amplitud-deg=1:2:3", "got 'amplitud-deg'; the nearest are amplitude-deg"),
+        ("--vary amplitud-deg=1:2:3", "got 'amplitud-deg'; the nearest are `amplitude-deg`"),
         ("--vary amplitude-deg=1 gait.amplitude=2", "--vary must name a parameter once, got 'gait.amplitude' again"),
         (
             "--vary amplitude-deg=-3:3:5",

@@ -128,7 +128,7 @@ def test_where_nothing_can_be_written_the_reason_is_given(make_trial, tmp_path):
     with pytest.raises(StorageFailed, match=r": cannot be written: Is a directory"):
         trial.save(tmp_path)
     with pytest.raises(StorageFailed, match=r"missing.run\.csv: cannot be written: No such file or directory"):
-        trial.to_csv(tmp_path / "missing" / "run.csv")
+        trial.save(tmp_path / "missing" / "run.csv")
     assert os.listdir(tmp_path) == []
 
 
@@ -238,7 +238,7 @@ def test_a_file_whose_arrays_do_not_belong_together_is_refused(make_trial, path)
 
 
 def test_a_csv_has_a_header_with_units_and_every_number(full_trial, tmp_path):
-    full_trial.to_csv(tmp_path / "run.csv")
+    full_trial.save(tmp_path / "run.csv")
     with (tmp_path / "run.csv").open(newline="") as file:
         rows = list(csv.reader(file))
     header, numbers = rows[0], np.array(rows[1:], dtype=float)

@@ -25,7 +25,7 @@ def test_a_figure_that_no_trial_has_is_left_out(make_trial):
 
 
 def test_angles_have_no_difference_in_percent(make_trial):
-    rows = by_name(compare([make_trial(direction=0.1), make_trial(direction=0.2)]))
+    rows = by_name(compare(make_trial(direction=0.1), make_trial(direction=0.2)))  # or a list
     assert rows["course"].values == pytest.approx((0.1, 0.2))
     assert rows["course"].differences == pytest.approx((0.0, 0.1))
     assert rows["course"].differences_percent == (None, None)
@@ -59,7 +59,7 @@ def test_one_trial_is_not_enough_to_compare(make_trial):
 
 
 def test_what_is_no_sequence_of_trials_is_not_compared():
-    with pytest.raises(ValueError, match=r"`trials` must be of class Sequence\[Trial\], got list_iterator"):
+    with pytest.raises(ValueError, match="`trials` must hold at least 2 trials to compare, got 1"):
         compare(iter([]))
 
 

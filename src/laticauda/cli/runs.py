@@ -6,7 +6,7 @@ the estimator and the controller.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import control, estimation, figures, operate, simulate
@@ -24,7 +24,6 @@ class Recording(trial.Filming):
     plot: Picture = option(
         "Draw path, speed, joint angles and torques into this picture (.png, .pdf or .svg)", default=None
     )
-    sheet: ClassVar[str] = "swim_sheet"
 
     def outcome(
         self,
@@ -47,7 +46,7 @@ class Recording(trial.Filming):
             for k, one in enumerate((trial, *beside)):
                 one.save(f"{self.save.removesuffix('.nc')}-{k}.nc" if k else self.save)
         if self.plot is not None:
-            figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
+            figures.save_figure(trial.plot(), self.plot)
         self.write_film(trial, beside=beside)
         return command.Outcome(
             facts={**report.facts_of(trial), **(facts or {})},
@@ -195,7 +194,6 @@ class Follow(Run):
     """
 
     route: Route = option("Where to go, and by which law", default=Route())
-    sheet: ClassVar[str] = "follow_sheet"
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:

@@ -3,7 +3,6 @@
 `amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is three values.
 """
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,8 +15,8 @@ from laticauda.cli.tables import MISSING, READ_IN, aligned, numbers, read_in, ta
 from laticauda.errors import BadArgument
 from laticauda.quantities import DEGREES, option, quantity, value
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, parameters
-from laticauda.studies.sweep import QUANTITIES, attributes_of
+from laticauda.simulate.numbers import Parameter, near, parameters
+from laticauda.studies.sweep import LABELS, attributes_of
 
 # Fields of these go by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
@@ -151,11 +150,8 @@ def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Param
                 raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
             # With dots and no unit it is in SI, as in Python.
             return parameter, math.radians(1.0) if suffix and plain != full else 1.0
-    words = [spelled(parameter) for parameter in known.values()]
-    near = difflib.get_close_matches(plain, words, n=3, cutoff=0.6)
-    near += [word for word in words if word.rsplit(".", 1)[-1] == plain and word not in near]
-    listed = f"; the nearest are {', '.join(near)}" if near else ""
-    raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{listed} (--names lists all)")
+    hint = near(plain, [spelled(parameter) for parameter in known.values()])
+    raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{hint} (--names lists all)")
 
 
 def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]) -> str:
@@ -168,10 +164,9 @@ def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str
         points: Mappings with both.
     """
     known = parameters(scenario)
-    heads = {name: f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures}
     rows = [
         {spelled(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0] for name in names}
-        | {head: point[name] for name, head in heads.items()}
+        | {LABELS[name]: point[name] for name in figures}
         for point in points
     ]
     return table(rows)

@@ -18,7 +18,7 @@ from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.errors import LaticaudaError
 from laticauda.figures import style
-from laticauda.studies.sweep import COSTS, QUANTITIES
+from laticauda.studies.sweep import COSTS, LABELS
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
 FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
@@ -27,7 +27,6 @@ OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_
 DURATION = 20.0  # of every trial [s]
 SIZE = (3.4, 2.9)  # [in]
 Values = Float[np.ndarray, "n_frequencies n_amplitudes"]
-Picture = Any  # of pixels
 WAITING = (
     f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials of this robot, water and joints; "
     "the first map on a computer also compiles, some 20 s ..."
@@ -127,7 +126,7 @@ def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc
     return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
 
 
-def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> Picture:
+def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> np.ndarray:
     """A quantity as colors over amplitude and frequency, a gait as a dot; gray where a trial failed.
 
     Args:
@@ -144,8 +143,7 @@ def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> Picture:
     ax.autoscale_view()
     ax.autoscale(False)
     ax.plot(math.degrees(gait.amplitude), math.degrees(gait.frequency), **style.points("o", 7.0, "#E63C1E"))
-    unit = QUANTITIES[quantity][0]
-    style.head(figure, f"{quantity.replace('_', ' ').capitalize()} [{'-' if unit == '1' else unit}]")
+    style.head(figure, LABELS[quantity])
     bar: Any = figure.colorbar(mesh, ax=ax)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)

@@ -19,7 +19,7 @@ import laticauda as lc
 from laticauda.figures import path, style
 from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
-from laticauda.studies.sweep import QUANTITIES
+from laticauda.studies.sweep import LABELS
 from laticauda.trial import MeasuredTrial, all_measured
 
 Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]
@@ -166,11 +166,6 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _label(name: str) -> str:
-    unit = QUANTITIES[name][0]
-    return f"{_words(name)} [{'-' if unit == '1' else unit}]"
-
-
 # ---- the figure ----------------------------------------------------------------------------------------------------
 
 
@@ -200,7 +195,7 @@ def front(fronts: Sequence[Front], ax: Axes) -> Axes:
     ax.xaxis.set_major_locator(MaxNLocator(6))
     ax.yaxis.set_major_locator(MaxNLocator(6))
     style.legend(ax, loc="lower right")
-    ylabel, xlabel = map(_label, fronts[0].optimization.objectives)
+    ylabel, xlabel = (LABELS[name] for name in fronts[0].optimization.objectives)
     return style.dress(ax, xlabel=xlabel, ylabel=ylabel)
 
 

@@ -10,7 +10,7 @@ has the numbers of a joint law of one's own. Units are those of the fields: SI a
 import difflib
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
 
@@ -240,12 +240,12 @@ def _parts(thing: Any, step: str) -> Sequence[Any]:
     return [found] if some is None else found[some]
 
 
-def near(name: str, known: Mapping[str, Parameter]) -> str:
+def near(name: str, known: Collection[str]) -> str:
     """The end of a message about a mistyped name: up to three that are alike as a whole or at their ends, or "".
 
     Args:
         name: As it was typed.
-        known: What can be swept.
+        known: The names that there are.
     """
     plain = name.casefold().replace("-", "_")
     by_end: dict[str, list[str]] = {}

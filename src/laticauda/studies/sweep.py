@@ -33,6 +33,8 @@ FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", 
 QUANTITIES = {name: (getattr(lc.Trial, name).unit or "1", getattr(lc.Trial, name).title) for name in FIGURES}
 QUANTITIES["succeeded"] = ("", "whether the run reached its end")
 """What is kept of every trial: unit and title by name."""
+LABELS = {name: f"{name.replace('_', ' ')} [{unit.replace('1', '-')}]" for name, (unit, _) in QUANTITIES.items()}
+"""The same in words, with the unit, as tables and axes have it."""
 # Of these the least is the best, of the others the greatest.
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": "environment"}

@@ -258,17 +258,16 @@ class Format(Extensible, group="formats"):
         return tuple(f".{name}" for name in cls.names())
 
 
-def save(dataset: "xarray.Dataset", path: Path, ending: str | None = None) -> None:
+def save(dataset: "xarray.Dataset", path: Path) -> None:
     """Write a trial to a file.
 
     Args:
         dataset: The trial.
-        path: The file.
-        ending: Of its format; None: that of its name.
+        path: The file; its ending says the format.
 
     Raises:
         StorageFailed: If the file cannot be written; the message has its name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
-    form = Format.of(path) if ending is None else Format.named(ending)
+    form = Format.of(path)
     write(path, lambda beside: form.write(dataset, beside))

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda import angles, gaits
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, instance
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.series import concatenated
 from laticauda.trial.trial import FIGURES, Figure, Trial
@@ -35,11 +35,11 @@ class ComparedFigure:
     (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
 
 
-def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
+def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
     """The figures of several trials side by side, with their differences to the first.
 
     Args:
-        trials: At least two, the one to compare with first.
+        trials: At least two, the one to compare with first; or a list of them.
 
     Returns:
         One row per figure that has a meaning for any of them, in the order of `FIGURES`. Where some trials have a
@@ -48,11 +48,12 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
     Raises:
         ValueError: If there are fewer than two trials.
     """
-    if len(trials) < 2:
-        raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(trials)}")
-    columns = [trial.figures()[0] for trial in trials]
+    given = [one for some in trials for one in (some if isinstance(some, Sequence) else [some])]
+    if len(given) < 2:
+        raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(given)}")
+    columns = [cast(Trial, instance(f"trials[{i}]", one, Trial)).figures()[0] for i, one in enumerate(given)]
     # A mechanical and an electrical power differ by a factor of ten: side by side they would mislead.
-    mixed = len({trial.mean_power_kind for trial in trials}) > 1
+    mixed = len({trial.mean_power_kind for trial in given}) > 1
     rows: list[ComparedFigure] = []
     for figure in FIGURES:
         values = tuple(column[figure.name] for column in columns)

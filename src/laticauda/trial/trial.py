@@ -232,17 +232,6 @@ class Trial(contents.Contents):
         """
         save(to_dataset(self), Path(path))
 
-    def to_csv(self, path: str | Path) -> None:
-        """Write the time series to a CSV file, one row per sample: `joint_angle_0 [rad]` is the tail-most joint's.
-
-        Args:
-            path: The file, whatever its ending; an older one of that name is replaced.
-
-        Raises:
-            StorageFailed: If the file cannot be written; the message has its name and the reason.
-        """
-        save(to_dataset(self), Path(path), "csv")
-
     def to_dataset(self) -> "xarray.Dataset":
         """The trial as an xarray Dataset: dimensions, units and names as in its file."""
         return to_dataset(self)
