@@ -55,6 +55,21 @@ def test_no_two_scenarios_share_an_episode():
     assert len(seeds) == len(set(seeds))
 
 
+def test_a_motor_that_is_off_takes_no_power_and_its_joint_does_not_follow():
+    angles = {}
+    for name, variant in (("economy", 0), ("broken", 1)):
+        envs = swimbench.make(name, 2, variant=variant)
+        envs.reset(seed=1, options={"y": 0.0, "heading": 0.0})
+        for _ in range(10):
+            envs.step(np.tile([-1.0, -1.0, 0.0, 1.0], (2, 1)))  # an offset of 20 deg
+        angles[name] = envs.episodes.school.observe(0).joint_angle
+        envs.close()
+    apart = np.abs(angles["broken"] - angles["economy"])
+    assert apart.argmax() == 3
+    assert apart[3] > 0.2
+    assert swimbench.challenge("broken").tasks[1].scenario.robot.joints[3].actuator.stall_power < 1e-6
+
+
 def test_a_return_is_the_objective_times_the_duration(short):
     envs, task = swimbench.make(QUICK, 3), short.tasks[0]
     envs.reset(seed=list(short.seeds))
@@ -122,6 +137,9 @@ def still(observation):
     return np.zeros(4)
 
 
+still_in_economy = still
+
+
 class Still:
     def __call__(self, observation):
         assert observation.shape == (13,)
@@ -134,7 +152,7 @@ nothing = 3
 """
 
 
-@pytest.mark.parametrize("name", ["still", "Still", "controller"])
+@pytest.mark.parametrize("name", ["still", "Still", "controller", "still_in_{scenario}"])
 def test_a_callable_from_outside_is_scored_as_a_baseline_is(tmp_path, monkeypatch, name):
     (tmp_path / "outside.py").write_text(OUTSIDE)
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -149,6 +167,10 @@ def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="`policy` must name a function, a class or a controller, got outside:nothing"):
         method("outside:nothing")
     sys.modules.pop("outside")
+    with pytest.raises(
+        ValueError, match="`policy` must name a module that can be imported, got no_such:act: No module"
+    ):
+        method("no_such:act")
     with pytest.raises(ValueError, match=r"`policy` must be a file that is there, got gone\.onnx"):
         method("gone.onnx")
     with pytest.raises(ValueError, match="`policy` must be one of `open-loop`, `los`"):
@@ -196,6 +218,31 @@ def test_of_a_learner_runs_are_resampled_and_not_episodes():
     same_runs = np.tile([0.0, 1.0, 2.0], (5, 1))
     found = estimate([same_runs], over_runs)
     assert found.low == found.value == found.high == 1.0
+
+
+# ---- learners, where they are installed ------------------------------------------------------------------------------
+
+
+def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without_it(tmp_path, monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    from laticauda_swimbench import train
+
+    for name, few in (("ppo", {"n_steps": 4, "batch_size": 16, "n_epochs": 1}), ("sac", {"learning_starts": 8})):
+        monkeypatch.setitem(train.SETTINGS, name, train.SETTINGS[name] | few)
+        monkeypatch.setitem(train.LANES, name, 8)
+        told: list[str] = []
+        for steps in (32, 64, 64):
+            said = train.train(name, "broken", 1, steps, tmp_path, told.append)
+        assert said["steps"] == 64
+        assert len(told) == 2
+        assert train.collect(name, "broken", tmp_path, tmp_path / "kept.npz") == 1
+        networks.load.cache_clear()
+        (network,) = networks.load(tmp_path / "kept.npz")
+        library = __import__("stable_baselines3")
+        model = getattr(library, name.upper()).load(tmp_path / f"{name}-broken-1.zip", device="cpu")
+        seen = np.random.default_rng(0).normal(size=(6, 13)).astype(np.float32)
+        expected = np.clip(model.predict(seen, deterministic=True)[0], -1.0, 1.0)
+        np.testing.assert_allclose(np.clip(network(seen.astype(float)), -1.0, 1.0), expected, atol=0.02)
 
 
 # ---- what is kept in the distribution --------------------------------------------------------------------------------

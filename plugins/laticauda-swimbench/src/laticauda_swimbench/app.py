@@ -42,8 +42,8 @@ class List(Command):
 class Score(Command):
     """Score policies in the scenarios: baselines by name, .onnx and .npz files, Python callables as module:name.
 
-    Without any, all baselines are scored, those that plan with laticauda[mpc]. Each has its score file, and they are
-    compared in the table.
+    Where {scenario} stands in such a name, there is one for each scenario. Without any, all baselines are scored, those
+    that plan with laticauda[mpc]. Each has its score file, and they are compared in the table.
 
     For example: swimbench score ilos my_policy.onnx my_module:act --output scores
     """
@@ -63,7 +63,7 @@ class Score(Command):
         methods, missing = dict[str, Method](), list[str]()
         for text in self.policies or NUMBERS:  # all are refused before the first one is scored
             try:
-                methods[text] = method(text)
+                methods[text] = method(text, self.scenarios)
             except MissingExtra as lack:
                 if self.policies:
                     raise

@@ -23,7 +23,7 @@ from laticauda.scenarios.toml import run_from_table
 from laticauda_swimbench.task import Swim
 
 FOLDER = Path(__file__).parent / "scenarios"
-CHALLENGES = ("speed", "economy", "path")
+CHALLENGES = ("speed", "economy", "path", "disturbance", "broken")
 """Their names, in the order of the table."""
 NOTHING = 1e-9  # what a motor that is off has left, in its own units: a law wants numbers above 0
 

@@ -7,7 +7,7 @@ robots and says what each is to do. Laws are controllers of laticauda, which are
 import hashlib
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -21,10 +21,12 @@ from laticauda.cosim.gym import Episodes, Pilots
 from laticauda.errors import BadArgument, LaticaudaError, one_of, optional_import
 from laticauda.files import read_toml
 from laticauda_swimbench import networks
-from laticauda_swimbench.challenges import Challenge
+from laticauda_swimbench.challenges import CHALLENGES, Challenge
 from laticauda_swimbench.task import Swim
 
 HERE = Path(__file__).parent
+SCENARIO = "{scenario}"
+"""Where a scenario's name goes, of a policy that has one part for each."""
 Act = Callable[[np.ndarray], np.ndarray]
 """Actions for observations, one row per robot."""
 Pilot = Callable[[Challenge, int, Episodes], Act]
@@ -126,26 +128,16 @@ def _plan(numbers: dict[str, Any]) -> Pilot:
     return pilot
 
 
-def _learned(name: str) -> Pilot:
-    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
-        return networks.load(HERE / "policies" / f"{name}-{challenge.name}.npz")[run]
-
-    return pilot
-
-
 NUMBERS = read_toml(HERE / "baselines.toml")
 """Of the baselines, by name."""
 
 
-def _baseline(name: str) -> Method:
+def _baseline(name: str, scenarios: Sequence[str]) -> Method:
     said = dict(NUMBERS[name])
     kind, title, note = (said.pop(one, "") for one in ("kind", "title", "note"))
     content = repr(sorted(said.items())).encode()
     if kind == "network":
-        files = sorted((HERE / "policies").glob(f"{name}-*.npz"))
-        runs = min(len(networks.load(file)) for file in files)
-        content = b"".join(file.read_bytes() for file in files)
-        return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=_learned(name), runs=runs)
+        return replace(_each(str(HERE / "policies" / f"{name}-{SCENARIO}.npz"), scenarios), name=title, note=note)
     made: dict[str, Pilot] = {"open loop": _open_loop, "searched law": reference_law}
     pilot = made.get(kind) or (law_pilot(said) if kind == "law" else _plan(said))
     return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=pilot)
@@ -160,6 +152,8 @@ def _called(text: str) -> Method:
     sys.path.insert(0, "")  # a module in the working directory
     try:
         module = import_module(place)
+    except ImportError as error:
+        raise BadArgument("policy", f"must name a module that can be imported, got {text}: {error}") from error
     finally:
         sys.path.remove("")
     found: Any = getattr(module, name, None)
@@ -211,16 +205,33 @@ def _weights(file: Path) -> Method:
     )
 
 
-def method(text: str) -> Method:
+def _each(text: str, scenarios: Sequence[str]) -> Method:
+    """A policy for each scenario, whose name stands in the place of `{scenario}`."""
+    parts = {name: method(text.replace(SCENARIO, name)) for name in scenarios}
+    first = parts[scenarios[0]]
+    return Method(
+        name=Path(text).stem,
+        kind=first.kind,
+        sha256=_digest("".join(one.sha256 for one in parts.values()).encode()),
+        pilot=lambda challenge, run, episodes: parts[challenge.name].pilot(challenge, run, episodes),
+        runs=min(one.runs for one in parts.values()),
+    )
+
+
+def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
     """What is to be scored.
 
     Args:
-        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable.
+        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable. With
+            `{scenario}` in it there is one for each scenario.
+        scenarios: In which of them it is to be scored.
 
     Raises:
         ValueError: If there is no such thing.
         ImportError: If it needs a package that is not installed, as `MissingExtra` or `NoRuntime`.
     """
+    if SCENARIO in text:
+        return _each(text, scenarios)
     file = Path(text)
     if file.suffix in (".onnx", ".npz"):
         if not file.is_file():
@@ -228,4 +239,4 @@ def method(text: str) -> Method:
         return _onnx(file) if file.suffix == ".onnx" else _weights(file)
     if ":" in text:
         return _called(text)
-    return _baseline(one_of("policy", text, tuple(NUMBERS)))
+    return _baseline(one_of("policy", text, tuple(NUMBERS)), scenarios)

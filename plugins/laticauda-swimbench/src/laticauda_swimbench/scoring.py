@@ -18,7 +18,7 @@ import numpy as np
 
 from laticauda.cosim.gym import Episodes
 from laticauda.errors import LaticaudaError
-from laticauda.files import read_text, to_json
+from laticauda.files import read_text, read_toml, to_json
 from laticauda.packaging import __version__
 from laticauda_swimbench.challenges import CHALLENGES, Challenge, challenge
 from laticauda_swimbench.methods import Method, method
@@ -103,7 +103,8 @@ def score(
     """Score a method.
 
     Args:
-        policy: A baseline's name, the path of an .onnx or .npz file, `module:name` of a Python callable; or the method.
+        policy: A baseline's name, the path of an .onnx or .npz file, `module:name` of a Python callable, see
+            `method`; or the method.
         scenarios: In which of them.
         progress: Called now and then with the share that is done.
 
@@ -114,7 +115,7 @@ def score(
         ValueError: If there is no such policy or scenario, or what it says is no action.
         ImportError: If it needs a package that is not installed.
     """
-    chosen = policy if isinstance(policy, Method) else method(policy)
+    chosen = policy if isinstance(policy, Method) else method(policy, scenarios)
     begun, parts = time.perf_counter(), list[dict[str, Any]]()
     for i, name in enumerate(scenarios):
         one = challenge(name)
@@ -204,4 +205,5 @@ def _own_version() -> str:
     try:
         return version("laticauda-swimbench")
     except PackageNotFoundError:  # run from a clone
-        return "unknown"
+        project = read_toml(Path(__file__).parents[2] / "pyproject.toml")["project"]
+        return str(project["version"])
