@@ -40,11 +40,10 @@ SWIM = (
 TOOLS = ["beartype>=0.20,<0.24", "cantools>=45,<46", "cma", "hypothesis>=6.130,<7", "pytest>=8.3,<10"]
 """What the tests need beside the package."""
 TESTS = """
-tests/cli/test_app.py tests/cli/test_swim.py tests/cli/test_sweep.py tests/cli/test_optimize.py tests/cli/test_trial.py
-tests/cockpit/test_pages.py tests/compiling tests/control/test_predictive.py tests/cosim/gym tests/figures tests/logs
-tests/identify/test_fitting.py tests/identify/test_uncertainty.py tests/mujoco_water/test_water.py tests/operate/drivers
-tests/operate/test_terminal.py tests/pictures tests/protocol
-tests/reports tests/simulate/test_reference_numbers.py tests/spatial/test_mjcf.py tests/studies tests/trial
+tests/cli/test_app.py tests/cli/test_swim.py tests/cli/test_sweep.py tests/cli/test_optimize.py tests/studies
+tests/cockpit/test_pages.py tests/compiling/test_lanes.py tests/control/test_predictive.py tests/cosim/gym
+tests/figures/test_swim.py tests/identify/test_uncertainty.py tests/logs tests/mujoco_water/test_water.py
+tests/operate/drivers tests/reports/test_page.py tests/simulate/test_reference_numbers.py tests/trial
 """.split()
 """Those that touch other packages."""
 WEIGHTS = """
