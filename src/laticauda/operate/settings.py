@@ -219,7 +219,7 @@ class Acceptance:
     swing_error: float = quantity("", "the markers' swing beside the model's", gt=0.0, default=0.2)
     speed_change: float = quantity("", "the speed beside the model's changes", gt=0.0, default=0.2)
     sideslip_change: float = quantity("", "the sideslip beside the model's changes", gt=0.0, default=0.2)
-    turn_change: float = quantity("rad", "a cycle's turn beside the model's changes", gt=0.0, default=math.radians(0.9))
+    turn_change: float = quantity("rad", "a cycle's turn beside the model's changes", gt=0.0, default=math.radians(0.7))
     model_speed: float = quantity("", "the speed is not the model's (ln): `laticauda identify`", gt=0.0, default=0.25)
     pose_age: float = quantity("s", "the median age of what the cameras saw last", gt=0.0, default=0.25)
     clock_drift: float = quantity("s/s", "the cameras' clock goes away from ours", gt=0.0, default=2e-4)
