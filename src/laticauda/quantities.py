@@ -11,6 +11,7 @@ flags, sweeps, FMUs, pages, the reference and `help` read the declarations by `q
 
 import dataclasses
 import functools
+import html
 import inspect
 import math
 import sys
@@ -192,7 +193,19 @@ def value(kind: Kind) -> Kind:
     if degrees_of(made):
         made.__init__ = _in_degrees_too(made.__init__)
     made.__doc__ = _with_fields(made)
+    made._repr_html_ = _as_table
     return made
+
+
+def _as_table(self: Any) -> str:
+    return html_table(getattr(self, "words", self.__class__.__name__), told(self))
+
+
+def html_table(title: str, rows: Mapping[str, str]) -> str:
+    """A `title`, and `rows` of names and texts, as notebooks show them."""
+    cell = '<tr><th style="text-align:left">{}</th><td style="text-align:left">{}</td></tr>'.format
+    lines = (cell(html.escape(name), html.escape(text)) for name, text in rows.items())
+    return f"<table><caption>{html.escape(title)}</caption>{''.join(lines)}</table>"
 
 
 def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
@@ -257,15 +270,17 @@ def told(thing: object, *left_out: str) -> dict[str, str]:
         left_out: Fields that are told otherwise.
     """
     held = {name: getattr(thing, name) for name in texts_of(type(thing)) if name not in left_out}
-    words = {name: _in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()}
+    words = {name: in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()}
     return {name: one for name, one in words.items() if one}
 
 
-def _in_words(given: Any, declared: Quantity | None) -> str:
+def in_words(given: Any, declared: Quantity | None) -> str:
+    """One of them; arguments as a field holds and declares it."""
     if hasattr(given, "words"):
         return given.words
     if dataclasses.is_dataclass(given):
-        return f"({', '.join(f'{name} {one}' for name, one in told(given).items())})"
+        held = ", ".join(f"{name} {one}" for name, one in told(given).items())
+        return f"({held})" if held else ""
     if declared is None:
         return given if isinstance(given, str) else "yes" if given is True else ""
     numbers = cast("tuple[Any, ...]", given if isinstance(given, tuple) else (given,))

@@ -250,3 +250,12 @@ cli.main([])
 def test_a_second_ctrl_c_ends_it_at_once():
     done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+def test_a_mistyped_command_is_told_the_nearest(run):
+    done = run("swimm")
+    assert (done.status, done.err) == (2, "laticauda: there is no command `swimm`; did you mean `swim`?\n")
+    assert (
+        run("nonsense").err
+        == "laticauda: there is no command `nonsense`; `laticauda --help` lists those that there are.\n"
+    )

@@ -108,7 +108,7 @@ BAD = {
     "swim --amplitud-deg 3": "--amplitude-deg deg",
     "swim --trailing-egde none": "--trailing-edge {none,elongated}",
     "swim extra": "extra: no such file",
-    "swimm": "Available subcommands: swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
+    "swimm": "there is no command `swimm`; did you mean `swim`?",
     "": "Expected one of {swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "--versio": "Unrecognized options: --versio",
     "robots nope": "NAME must be one of `amphibot`, `chain`, `mamba`,",

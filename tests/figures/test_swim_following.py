@@ -38,7 +38,7 @@ def test_the_path_is_drawn_where_it_is():
 
 def test_a_title_comes_with_letters_and_a_note():
     bare = follow_sheet(followed())
-    assert bare.get_suptitle() == "mamba-fin, lateral undulation (30 deg, 90 deg/s, 40 deg)"
+    assert bare.get_suptitle() == "mamba-fin, lateral undulation, 30°, 90°/s, phase shift 40°"
     assert [ax.get_title(loc="left") for ax in bare.axes] == ["", "", ""]
     named = follow_sheet(followed(), title="One way", note="0.1 m/s")
     assert named.get_suptitle() == "One way\n0.1 m/s"

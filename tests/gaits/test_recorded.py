@@ -209,5 +209,5 @@ def test_it_is_called_what_it_is_wherever_a_gait_is_named():
     assert "recorded motion" in as_text(both) and "eel-like: amplitude" in as_text(both)
     titles = [swim_sheet(one).get_suptitle() for one in (alone, both)]
     assert titles[0] == "chain, recorded motion"
-    assert titles[1].startswith("chain, recorded motion (") and " deg/s" in titles[1]
+    assert titles[1].startswith("chain, recorded motion, ") and "°/s" in titles[1]
     assert words(alone)[1] == "recorded motion" and "°/s" in words(both)[1]

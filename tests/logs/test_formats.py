@@ -112,11 +112,11 @@ def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
     from laticauda.kinematics import Posture
 
     pytest.importorskip("mcap")
-    from laticauda.logs import read_messages
+    from laticauda.logs import open_recording
 
     trial = make_trial(duration=1.0)
     trial.save(tmp_path / "run.mcap")
-    last = list(read_messages(tmp_path / "run.mcap", "/tf"))[-1].content["transforms"]
+    last = list(open_recording(tmp_path / "run.mcap").messages("/tf"))[-1].content["transforms"]
     middle = Posture(trial.robot, trial.center_of_mass, trial.link_angle).link_centers[-1]
     found = {one["child_frame_id"]: one["transform"] for one in last}
     for i, (x, y) in enumerate(middle):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from laticauda.errors import StorageFailed
-from laticauda.logs import Recorder, open_recording, read_messages
+from laticauda.logs import Recorder, open_recording
 
 reader = pytest.importorskip("mcap.reader", reason="the package mcap is not installed")
 
@@ -57,7 +57,7 @@ def test_our_reader_reads_the_same(tmp_path):
     assert recording.metadata == {"robot": {"name": "mamba"}}
     assert recording.topics["/power/electrical"].unit == "W"
     assert recording.topics["/can"].n_messages == 30
-    powers = [(one.time, one.content["data"]) for one in read_messages(path, "/power/electrical")]
+    powers = [(one.time, one.content["data"]) for one in open_recording(path).messages("/power/electrical")]
     assert powers == [(round(0.01 * i, 9), 92.0 + i) for i in range(30)]
 
 
@@ -66,7 +66,7 @@ def test_an_event_is_on_disk_at_once(tmp_path):
     recorder = Recorder(path, chunk_seconds=1e6)
     recorder.scalar("/x", 0.0, 1.0)
     recorder.event(0.0, "leak", level="error")
-    assert [one.topic for one in read_messages(path)] == ["/x", "/events"]
+    assert [one.topic for one in open_recording(path).messages()] == ["/x", "/events"]
     recorder.close()
     recorder.close()  # a second time does nothing
 
@@ -89,7 +89,7 @@ def test_what_does_not_fit_is_refused_and_the_file_stays_whole(tmp_path):
             recorder.event(0.0, "x", object())
     with pytest.raises(StorageFailed, match="it is closed"):
         recorder.scalar("/x", 1.0, 1.0)
-    assert len(list(read_messages(path))) == 1
+    assert len(list(open_recording(path).messages())) == 1
     with pytest.raises(ValueError, match="`chunk_seconds` must be > 0 s, got 0"):
         Recorder(tmp_path / "other.mcap", chunk_seconds=0)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from laticauda.errors import TrialFileError
-from laticauda.logs import Recorder, open_recording, read_messages
+from laticauda.logs import Recorder, open_recording
 
 writer = pytest.importorskip("mcap.writer", reason="the package mcap is not installed")
 
@@ -34,7 +34,7 @@ def chunks(content: bytes) -> list[tuple[int, int]]:
 
 
 def numbers(path: Path) -> list[float]:
-    return [one.content["data"] for one in read_messages(path)]
+    return [one.content["data"] for one in open_recording(path).messages()]
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -69,7 +69,7 @@ def test_the_bytes_of_any_writer_are_read(tmp_path):
         raw = other.register_channel("/raw", "own", 0)
         other.add_message(raw, 2_000_000_000, b"\x01\x02", 0)
         other.finish()
-    found = list(read_messages(path))
+    found = list(open_recording(path).messages())
     assert [(one.topic, one.time, one.content) for one in found] == [
         ("/json", 1.5, {"a": 1}),
         ("/raw", 2.0, b"\x01\x02"),
@@ -87,7 +87,7 @@ def test_a_message_that_is_not_of_its_type_is_said(tmp_path):
         other.add_message(channel, 0, b"\x00\x01\x00\x00abc", 0)
         other.finish()
     with pytest.raises(TrialFileError, match=r"other.mcap: topic /x: A message of std_msgs/Float64 is damaged"):
-        list(read_messages(path))
+        list(open_recording(path).messages())
 
 
 def test_what_is_no_mcap_file_is_refused(tmp_path):

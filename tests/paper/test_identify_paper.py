@@ -90,8 +90,3 @@ def test_the_interval_of_table_1_that_was_written_beforehand_holds_what_was_meas
     for row, measured in zip(rows, paper.ROWS, strict=True):
         assert row["alpha_deg"] == pytest.approx(np.degrees(measured.gait.amplitude))
         assert row["low_m_s"] < measured.forward_velocity < row["high_m_s"]
-
-
-def test_a_preset_that_is_gone_is_refused_with_what_replaces_it():
-    with pytest.raises(lc.errors.RobotFileError, match="`mamba-speed-limited` is gone; take `mamba-identified`"):
-        lc.load_parameters("mamba-speed-limited")

@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.paper import efficiency_settings
-from laticauda.reports.front import front_figure, measured_points, write_front, write_front_figure
+from laticauda.reports.front import front_figure, measured_points, write_front_figure
 from laticauda.studies import Front, Optimization, optimize
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
@@ -21,9 +21,9 @@ def found() -> Front:
     return optimize(SOUGHT, budget=48, population=12, seed=1)
 
 
-def test_the_folder_gets_the_numbers_and_the_figure(found: Front, tmp_path: Path):
-    files = write_front(found, tmp_path) + write_front_figure([found], tmp_path)
-    assert [file.name for file in files] == ["front.csv", "front.nc", "front.png", "front.pdf"]
+def test_the_folder_gets_the_figure(found: Front, tmp_path: Path):
+    files = write_front_figure([found], tmp_path)
+    assert [file.name for file in files] == ["front.png", "front.pdf"]
     assert sorted(tmp_path.iterdir()) == sorted(files)
 
 

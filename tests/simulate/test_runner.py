@@ -138,3 +138,11 @@ def test_a_run_is_over_where_until_says_so():
 def test_until_is_not_asked_before_the_robot_has_swum():
     cut = run(TurnAfter(GAIT, 0.1, 1000), until=lambda seen: True)
     assert cut.duration == pytest.approx(0.1)
+
+
+def test_a_plant_is_made_of_names_as_a_swim_is():
+    named = lc.plant("mamba", "paper-lateral")
+    assert (named.robot, named.environment) == (lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    assert isinstance(lc.plant("mamba", environment="coulomb").environment, lc.Ground)
+    with pytest.raises(ValueError, match="`environment` must be of class Water or Ground, got NoneType"):
+        lc.plant("mamba")

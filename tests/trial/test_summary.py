@@ -1,7 +1,9 @@
 import json
 
+import numpy as np
 import pytest
 
+import laticauda as lc
 from laticauda.trial import FIGURES, Trial
 
 
@@ -43,3 +45,24 @@ def test_a_figure_that_is_not_finite_is_none_and_its_reason_stands_beside_it(mak
     assert summary["path_speed"] is None
     assert "`path_speed` must be a finite number" in summary["not_available"]["path_speed"]
     json.dumps(summary, allow_nan=False)
+
+
+def plain(thing):
+    return thing._repr_html_().replace(' style="text-align:left"', "")
+
+
+def test_a_notebook_shows_a_trial_with_its_figures_in_words():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+    trial = lc.swim("mamba", gait, 5.0)
+    assert f", {trial.forward_velocity:.3g} m/s; " in repr(trial)
+    shown = plain(trial)
+    assert f"<th>path length over time</th><td>{trial.path_speed:g} m/s</td>" in shown
+    assert (
+        f"<th>largest joint angle, first cycle left out</th><td>{np.degrees(trial.peak_joint_angle):g} deg</td>"
+        in shown
+    )
+    for one in (trial.robot, trial.gait, trial.scenario):
+        assert one._repr_html_().startswith("<table><caption>")
+    assert "<th>amplitude</th><td>28.6479 deg</td>" in plain(trial.gait)
+    assert "<th>robot</th><td>mamba: 9 links" in plain(trial.scenario)
+    assert len(repr(trial.robot).splitlines()) == 1 and len(repr(trial.robot)) < 100

@@ -171,7 +171,7 @@ def test_figures_over_cycles_need_a_gait_that_moves(make_trial):
 
 def test_a_trial_introduces_itself_on_one_line(make_trial):
     assert repr(make_trial()) == (
-        "<Trial of mamba: lateral_undulation, 30 s in 1501 samples; The run reached its end.>"
+        "<Trial of mamba: lateral_undulation, 30 s in 1501 samples, 0.15 m/s; The run reached its end.>"
     )
 
 

@@ -16,7 +16,7 @@ import tyro
 
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, spelled, wrapped
-from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed
+from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed, nearest
 from laticauda.files import read_toml
 
 PROGRAM = "laticauda"
@@ -27,6 +27,7 @@ DESCRIPTION = (
 
 COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
 """A command's words, where its class is, and what the list of commands says about it."""
+LISTED = "; `laticauda --help` lists those that there are."
 GROUPS = {"export": "Write robots to files for other programs.", "trial": "Show, compare and convert stored trials."}
 
 
@@ -87,6 +88,8 @@ def _read(words: list[str]) -> Command:
             return command.read(words[length:], prog)
     if words and words[0] in GROUPS:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands(words[0]), words[1:])
+    if words and not words[0].startswith("-"):
+        raise BadFlag(f"there is no command `{words[0]}`{nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}")
     return _choose(PROGRAM, DESCRIPTION, _commands("") | GROUPS, words)
 
 

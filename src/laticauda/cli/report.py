@@ -10,7 +10,7 @@ import numpy as np
 from laticauda import gaits, scenarios
 from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.quantities import told
-from laticauda.robot import SEEN, TEXTBOOK, Ground, Robot, coefficients, in_a_line
+from laticauda.robot import SEEN, TEXTBOOK, Ground, coefficients, in_a_line
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
@@ -47,7 +47,7 @@ def as_text(trial: Trial, origin: str = "") -> str:
         trial: Any trial, a failed one too.
         origin: Where the coefficients of water or ground are from, in words.
     """
-    head = [("robot", _robot(trial.robot)), ("gait", _gait(trial.gait))]
+    head = [("robot", trial.robot.words), ("gait", _gait(trial.gait))]
     head.append(("ground" if isinstance(trial.environment, Ground) else "water", _environment(trial, origin)))
     head.append(("run", _run(trial)))
     if "joint_angle" not in trial.not_measured:
@@ -158,11 +158,6 @@ def _about(measured: MeasuredTrial, trial: Trial) -> str:
     if trial.mean_power_kind == "mechanical" and "work" not in trial.not_measured:
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."
     return text
-
-
-def _robot(robot: Robot) -> str:
-    fin = ", with a caudal fin" if robot.caudal_fin else ""
-    return f"{robot.name}: {robot.n_links} links, {robot.length:.4g} m, {robot.mass:.4g} kg{fin}"
 
 
 def _gait(gait: gaits.Gait | None) -> str:

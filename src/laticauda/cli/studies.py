@@ -135,11 +135,12 @@ class Optimize(Study):
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""
-        from laticauda.reports.front import write_front, write_front_figure
+        from laticauda.reports.front import write_front_figure
 
         folder = Path(self.output)
         front = self._front(scenario, folder)
-        write_front(front, folder)
+        front.write_csv(folder / "front.csv")
+        front.write_netcdf(folder / "front.nc")
         pictures = write_front_figure([front], folder)
         text = [_text(front, folder)]
         if pictures:

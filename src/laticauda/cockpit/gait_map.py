@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.cockpit.live import Live
@@ -23,14 +22,9 @@ from laticauda.studies.sweep import COSTS, LABELS
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
 FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
 OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")}
-"""What there are maps of, by what the page calls it."""
+"""What there are maps of, frequencies by amplitudes, by what the page calls it."""
 DURATION = 20.0  # of every trial [s]
-SIZE = (3.4, 2.9)  # [in]
-Values = Float[np.ndarray, "n_frequencies n_amplitudes"]
-WAITING = (
-    f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials of this robot, water and joints; "
-    "the first map on a computer also compiles, some 20 s ..."
-)
+WAITING = f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials; the first map also compiles, some 20 s ..."
 OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: how it swims now."
 
 
@@ -52,7 +46,7 @@ class GaitMap:
         self._best = gui.add_button("swim the best of the map", visible=False)
         self._best.on_click(events.handler(self._swim_best, then=changed))
         self._text = gui.add_markdown("")
-        self._computed: tuple[lc.Scenario, dict[str, Values]] | None = None  # and of what; empty where that failed
+        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = None  # and of what; empty where that failed
         self._worker: threading.Thread | None = None
         self._drawn: object = None
 
@@ -60,14 +54,13 @@ class GaitMap:
         """Bring it up to date: called now and then, returns at once."""
         values = self._values() if self._on.value else None
         self._image.visible = self._best.visible = values is not None
-        if not self._on.value:
-            self._text.content = ""
+        self._text.visible = self._on.value
         gait, quantity = self._live.scenario.gait, OF_GAITS[self._quantity.value]
         wanted = id(values), quantity, gait.amplitude, gait.frequency
         if values is not None and self._drawn != wanted:
             self._drawn, self._image.image = wanted, gait_map_picture(values, quantity, gait)
 
-    def _values(self) -> Values | None:
+    def _values(self) -> np.ndarray | None:
         """What is to be drawn; None as long as there is none."""
         base = base_of(self._live.scenario)
         is_busy = self._worker is not None and self._worker.is_alive()
@@ -105,7 +98,7 @@ def base_of(scenario: lc.Scenario) -> lc.Scenario:
     return replace(scenario, motion=gait, model=lc.Planar(joints=scenario.model.joints))
 
 
-def map_of_gaits(scenario: lc.Scenario) -> dict[str, Values]:
+def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
     """Trials of `DURATION` from rest side by side: each quantity of `OF_GAITS`, over frequency and amplitude.
 
     Args:
@@ -126,7 +119,7 @@ def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc
     return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
 
 
-def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> np.ndarray:
+def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
     """A quantity as colors over amplitude and frequency, a gait as a dot; gray where a trial failed.
 
     Args:
@@ -134,7 +127,7 @@ def gait_map_picture(values: Values, quantity: str, gait: lc.Gait) -> np.ndarray
         quantity: One of `OF_GAITS`.
         gait: The one to mark.
     """
-    figure = style.new_figure(*SIZE)
+    figure = style.new_figure(3.4, 2.9)
     figure.set_dpi(220)
     ax = figure.add_subplot()
     ax.set_facecolor("#c8c8c8")

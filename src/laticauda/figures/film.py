@@ -25,7 +25,6 @@ from laticauda.pictures.render import write_video
 from laticauda.trial import Trial, following
 
 HEIGHT, LABELS = (1.2, 4.5), 1.1  # of the plan, and what title and labels take [in]
-DOTS_PER_INCH = 120
 Draw = Callable[[int], Sequence[Artist]]
 FORMATS = {".gif": "GIF", ".webp": "WEBP"}
 
@@ -106,9 +105,7 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     bodies = {sample: outline(trial.chain, trial, sample) for sample in shown}
     corners = np.vstack([*bodies.values()])
     width, height = np.ptp(corners, axis=0)
-    inches = np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS
-    figure = style.new_figure(style.DOUBLE_COLUMN, inches)
-    figure.set_dpi(DOTS_PER_INCH)
+    figure = style.new_figure(style.DOUBLE_COLUMN, np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS)
     ax = style.dress(figure.add_subplot(), xlabel="x [m]", ylabel="y [m]")
     ax.update_datalim(corners)
     ax.autoscale_view()

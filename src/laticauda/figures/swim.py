@@ -6,7 +6,6 @@ And how punctual the loop of an operated run was: the distribution of its period
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-import math
 from collections.abc import Sequence
 from typing import Literal
 
@@ -20,6 +19,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodF
 
 from laticauda.figures import style
 from laticauda.figures.path import extent, path_strip
+from laticauda.pictures.render import words
 from laticauda.trial import Trial, cycles, following, measured_counterpart
 
 Series = Float[np.ndarray, "n_samples ..."]
@@ -186,16 +186,7 @@ def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
 
 def title_of(trial: Trial) -> str:
     """Who swims how, in a line."""
-    text = trial.robot.name
-    if trial.gait is not None:
-        gait = trial.gait
-        angles = (gait.amplitude, gait.frequency, gait.phase_shift)
-        text += f", {gait.words}"
-        if gait.recorded is None or gait.amplitude:
-            text += " ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(*np.degrees(angles))
-        if gait.offset:
-            text += f", offset {math.degrees(gait.offset):.3g} deg"
-    return text
+    return ", ".join(words(trial))
 
 
 def _from_to(ax: Axes, time: Series) -> None:

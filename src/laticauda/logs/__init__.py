@@ -4,7 +4,6 @@ from laticauda.logs.column_maps import ColumnMap as ColumnMap, load_column_map a
 from laticauda.logs.loading import load_trial as load_trial
 from laticauda.logs.recorder import Recorder as Recorder
 from laticauda.logs.recording import Logged as Logged, Recording as Recording, open_recording as open_recording
-from laticauda.logs.recording import read_messages as read_messages
 from laticauda.packaging import lazy_exports
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -187,20 +187,6 @@ def failures_of(path: object) -> Generator[None]:
         raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 
-def read_messages(path: str | Path, *topics: str) -> Iterator[Logged]:
-    """The messages of an MCAP file, in the order in which they were recorded; see `open_recording` for what is lost.
-
-    Args:
-        path: The file.
-        topics: Which topics; none for all of them.
-
-    Raises:
-        TrialFileError: If there is no such file, or it is no MCAP file.
-        MissingExtra: If the package `mcap` is not installed.
-    """
-    return open_recording(path).messages(*topics)
-
-
 def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
     """Kind and content of all complete records, from the first to the footer; the file stands behind each."""
     while len(start := file.read(9)) == 9:

@@ -142,9 +142,9 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
     lines = [trial.robot.name]
     if trial.gait is not None:
         gait = trial.gait
-        numbers = f"{math.degrees(gait.amplitude):.0f}°, {math.degrees(gait.frequency):.0f}°/s"
-        shift = f"phase shift {math.degrees(gait.phase_shift):.0f}°"
-        lines.append(gait.words if gait.recorded and not gait.amplitude else f"{gait.words}, {numbers}, {shift}")
+        a, f, shift, offset = map(math.degrees, (gait.amplitude, gait.frequency, gait.phase_shift, gait.offset))
+        numbers = f", {a:.3g}°, {f:.3g}°/s, phase shift {shift:.3g}°" if a or not gait.recorded else ""
+        lines.append(f"{gait.words}{numbers}{f', offset {offset:.3g}°' if offset else ''}")
         if gait.pitch is not None:
             numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
             lines.append(f"pitch wave, {numbers}")

@@ -46,22 +46,6 @@ LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 _TEXT: Any = {"fontsize": style.TICK - 1.0, "ha": "left"}
 
 
-def write_front(front: Front, folder: str | Path) -> list[Path]:
-    """Write front.csv and front.nc.
-
-    Args:
-        front: What `optimize` returned.
-        folder: An existing one.
-
-    Returns:
-        The files.
-    """
-    files = [Path(folder, "front.csv"), Path(folder, "front.nc")]
-    front.write_csv(files[0])
-    front.write_netcdf(files[1])
-    return files
-
-
 def write_front_figure(fronts: Sequence[Front], folder: str | Path) -> list[Path]:
     """Write front.png and front.pdf; nothing if there is no front between two objectives.
 

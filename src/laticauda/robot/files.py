@@ -30,7 +30,6 @@ Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground, Flow)
 
 KINDS: dict[str, type[Described]] = {"robot": Robot, "water": environment.Water, "ground": environment.Ground}
 PRESETS = Path(__file__).parent / "presets"
-_GONE = {"mamba-speed-limited": "mamba-identified"}
 FOLDERS = {word: f"{word}s" for word in (*KINDS, "current", "parameter", "motion")}
 
 
@@ -120,8 +119,6 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     if not is_path:
         if given in names:
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
-        if given in _GONE:
-            raise RobotNotFound(f"the {kind} preset `{given}` is gone; take `{_GONE[given]}`")
         raise RobotNotFound(
             f"there is no {kind} preset named `{given}`{nearest(given, names)} "
             f"(presets: {', '.join(names)}; a path ends in {ending})"

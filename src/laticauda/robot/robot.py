@@ -55,6 +55,16 @@ class Robot:
                     raise BadArgument(f"{group}[{i}].link", f"must be 0 (tail) to {n - 1} (head), got {effector.link}")
 
     @property
+    def words(self) -> str:
+        """Who it is, in a line."""
+        fin = ", with a caudal fin" if self.caudal_fin else ""
+        return f"{self.name}: {self.n_links} links, {self.length:.4g} m, {self.mass:.4g} kg{fin}"
+
+    def __repr__(self) -> str:
+        """Its `words`, and not its many numbers."""
+        return f"<Robot {self.words}>"
+
+    @property
     def n_links(self) -> int:
         """Number of modules n, the fin not counted."""
         return len(self.modules)

@@ -8,8 +8,9 @@ from laticauda.scenarios.building import Motion as Motion, scenario as scenario
 if TYPE_CHECKING:
     from laticauda.scenarios.building import Changes as Changes, Choice as Choice, Chosen as Chosen
     from laticauda.scenarios.building import ModelChanges as ModelChanges, default_water as default_water
-    from laticauda.scenarios.building import model_of as model_of, named_after as named_after
-    from laticauda.scenarios.building import preset_water as preset_water, water_for as water_for
+    from laticauda.scenarios.building import environment_of as environment_of, model_of as model_of
+    from laticauda.scenarios.building import named_after as named_after, preset_water as preset_water
+    from laticauda.scenarios.building import water_for as water_for
     from laticauda.scenarios.toml import run_from_table as run_from_table, run_from_toml as run_from_toml
     from laticauda.scenarios.toml import run_to_toml as run_to_toml, unknown_in as unknown_in
     from laticauda.scenarios.scenario import MODELS as MODELS, Experiment as Experiment, Model as Model

@@ -78,7 +78,7 @@ def scenario(
     instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
     body = robots.load_robot(robot) if isinstance(robot, str | Path) else robot
-    where = default_water(body, gait) if environment is None else _environment(environment, body)
+    where = default_water(body, gait) if environment is None else environment_of(environment, body)
     if moving and not isinstance(where, robots.Water):
         raise BadArgument("current", "must be given with a Water only, which can move")
     return Scenario(
@@ -148,8 +148,13 @@ def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -
 preset_water = functools.cache(robots.load_water)
 
 
-def _environment(given: object, robot: robots.Robot) -> Any:
-    """A water or ground by its name or path; anything else as it is, for the scenario to check."""
+def environment_of(given: object, robot: robots.Robot) -> Any:
+    """A water or ground by its name or path; anything else as it is, for others to check.
+
+    Args:
+        given: As a caller says it.
+        robot: What is to be there.
+    """
     if not isinstance(given, str | Path):
         return given
     if str(given) in robots.ground_names():

@@ -1,26 +1,38 @@
 """The only place where scenarios become plants."""
 
+from pathlib import Path
 from typing import Any, Unpack, cast
 
 from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import School
 from laticauda.errors import BadArgument, instance, load_mujoco
 from laticauda.interfaces import Command
-from laticauda.robot import Environment, Ground, Robot, Water, law_of
-from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
+from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
+from laticauda.scenarios import (
+    Experiment,
+    Model,
+    ModelChanges,
+    Planar,
+    Scenario,
+    Spatial,
+    environment_of,
+    model_of,
+    unknown_in,
+)
 
 
 def plant(
-    robot: Scenario | Experiment | Robot,
-    environment: Environment | None = None,
+    robot: Scenario | Experiment | Robot | str | Path,
+    environment: Environment | str | Path | None = None,
     model: Model | str = "planar",
     **changes: Unpack[ModelChanges],
 ) -> Plant[Any]:
     """What a scenario is about as something that can be stepped.
 
     Args:
-        robot: The scenario, of a trial too (`Trial.scenario`); or a robot alone, that comes with its environment.
-        environment: Where it swims; left out with a scenario.
+        robot: The scenario, of a trial too (`Trial.scenario`); or a robot alone, that comes with its environment: also
+            the name of a preset, or the path of a file.
+        environment: Where it swims, also by its name or path; left out with a scenario.
         model: With a robot, the model or its name.
         changes: With a robot, the model's settings; see `laticauda.scenarios.ModelChanges`.
 
@@ -38,10 +50,10 @@ def plant(
             advice = "import the module that does, or install the package that brings it"
             raise BadArgument("scenario", f"cannot be run here: nobody has defined its `{one.kind}`; {advice}")
         return _plant(robot.robot, robot.environment, robot.model)
-    instance("robot", robot, Robot)
-    instance("environment", environment, Water, Ground)
+    body = load_robot(robot) if isinstance(robot, str | Path) else cast(Robot, instance("robot", robot, Robot))
+    where = cast(Environment, instance("environment", environment_of(environment, body), Water, Ground))
     given = {name: one for name, one in changes.items() if one is not None}
-    return _plant(robot, cast(Environment, environment), model_of(model, **given))
+    return _plant(body, where, model_of(model, **given))
 
 
 def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:

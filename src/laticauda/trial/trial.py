@@ -12,15 +12,14 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.extensions import above
+from laticauda.quantities import Quantity, html_table, in_words
 from laticauda.trial import contents, cycles, metrics
 from laticauda.trial.dataset import fields_of, save, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
 
 if TYPE_CHECKING:
-    import matplotlib.animation
-    import matplotlib.axes
-    import matplotlib.figure
     import xarray
+    from matplotlib import animation, axes, figure
 
 
 class Figure:
@@ -169,14 +168,14 @@ class Trial(contents.Contents):
 
     # ---- pictures -----------------------------------------------------------------------------------------------
 
-    def plot(self) -> "matplotlib.figure.Figure":
+    def plot(self) -> "figure.Figure":
         """The run in one picture: path, speed, joint angles and torques; or, if it followed a path, how well.
 
         A notebook shows it; `trial.plot().savefig("run.png")` writes a file.
         """
         return above("sheet")(self)
 
-    def plot_path(self, ax: "matplotlib.axes.Axes | None" = None) -> "matplotlib.axes.Axes":
+    def plot_path(self, ax: "axes.Axes | None" = None) -> "axes.Axes":
         """The path of the center of mass with the body drawn along it.
 
         Args:
@@ -184,7 +183,7 @@ class Trial(contents.Contents):
         """
         return above("path_strip")(self, ax)
 
-    def animate(self, *, speed: float = 1.0, frames_per_second: float = 15.0) -> "matplotlib.animation.FuncAnimation":
+    def animate(self, *, speed: float = 1.0, frames_per_second: float = 15.0) -> "animation.FuncAnimation":
         """The run from above as a film.
 
         A notebook shows it; `trial.animate().save("run.gif")` writes a file, and so do .webp, and .mp4 with ffmpeg.
@@ -271,7 +270,13 @@ class Trial(contents.Contents):
         """On one line: who swam what for how long, and how it ended."""
         gait = "no gait" if self.gait is None else self.gait.kind
         span = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
-        return f"<Trial of {self.robot.name}: {gait}, {span}; {self.status}>"
+        speed = f", {self.forward_velocity:.3g} m/s" if self.succeeded and self.time.size > 1 else ""
+        return f"<Trial of {self.robot.name}: {gait}, {span}{speed}; {self.status}>"
+
+    def _repr_html_(self) -> str:
+        known = {getattr(Trial, name): one for name, one in self.figures()[0].items() if one is not None}
+        rows = {f.title: in_words(one, Quantity(unit=f.unit, text="")) or "0" for f, one in known.items()}
+        return html_table(repr(self)[1:-1], rows)
 
 
 FIGURES = tuple(one for one in vars(Trial).values() if isinstance(one, Figure))

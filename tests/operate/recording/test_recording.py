@@ -13,7 +13,7 @@ from operate.tank import IDLE, ROOT, follower, record
 import laticauda as lc
 from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, StateEstimator
-from laticauda.logs import open_recording, read_messages
+from laticauda.logs import open_recording
 from laticauda.operate import Event, Header, OperationRecorder, PowerReading, read_operation
 from laticauda.operate.recording.entries import Tick
 from laticauda.scenarios import Experiment
@@ -157,7 +157,7 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
         log = read_operation(path)
         assert [type(entry) for entry in log.entries] == [PowerReading, Event]
         assert log.entries[1].message == "Water in module 3." and log.entries[1].data == {"node": 3}
-        assert next(iter(read_messages(path, "/events"))).content["level"] == 40
+        assert next(iter(open_recording(path).messages("/events"))).content["level"] == 40
 
 
 def test_settings_that_nobody_knows_are_refused():
