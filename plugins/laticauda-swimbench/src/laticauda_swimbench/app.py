@@ -9,10 +9,11 @@ import tyro
 
 from laticauda.cli.command import SHARE, Command, Outcome, progress
 from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, read
-from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, one_of, whole
+from laticauda.errors import BadArgument, LaticaudaError, one_of, whole
 from laticauda.files import write
 from laticauda.quantities import option, quantity, value
 from laticauda_swimbench.challenges import CHALLENGES, challenge
+from laticauda_swimbench.packages import NotInstalled
 
 PROGRAM = "swimbench"
 RESULTS = Path(__file__).parent / "results"
@@ -43,7 +44,7 @@ class Score(Command):
     """Score policies in the scenarios: baselines by name, .onnx and .npz files, Python callables as module:name.
 
     Where {scenario} stands in such a name, there is one for each scenario. Without any, all baselines are scored, those
-    that plan with laticauda[mpc]. Each has its score file, and they are compared in the table.
+    that plan with CasADi. Each has its score file, and they are compared in the table.
 
     For example: swimbench score ilos my_policy.onnx my_module:act --output scores
     """
@@ -64,7 +65,7 @@ class Score(Command):
         for text in self.policies or NUMBERS:  # all are refused before the first one is scored
             try:
                 methods[text] = method(text, self.scenarios)
-            except MissingExtra as lack:
+            except NotInstalled as lack:
                 if self.policies:
                     raise
                 missing.append(f"Not scored: {text}. {lack}")
@@ -109,7 +110,7 @@ class Table(Command):
 
 @value
 class Train(Command):
-    """Train a learner in scenarios: hours for all of them. It goes on where it stopped, and needs laticauda[learn].
+    """Train a learner in scenarios: hours for all of them. It goes on where it stopped, and needs stable-baselines3.
 
     For example: swimbench train ppo --steps 1000000 --output runs
     """
@@ -141,7 +142,7 @@ class Train(Command):
 
 @value
 class Search(Command):
-    """Search for the numbers of a scenario's reference, as they stand in its file. It needs laticauda[learn]."""
+    """Search for the numbers of a scenario's reference, as they stand in its file. It needs cma."""
 
     scenario: Annotated[str, tyro.conf.Positional] = option("Which one")
     evaluations: int = quantity("", "How often all tuning episodes are swum", ge=1, default=120)

@@ -18,10 +18,11 @@ import numpy as np
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
 from laticauda.cosim.gym import Episodes, Pilots
-from laticauda.errors import BadArgument, LaticaudaError, one_of, optional_import
+from laticauda.errors import BadArgument, one_of
 from laticauda.files import read_toml
 from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import CHALLENGES, Challenge
+from laticauda_swimbench.packages import needed
 from laticauda_swimbench.task import Swim
 
 HERE = Path(__file__).parent
@@ -31,10 +32,6 @@ Act = Callable[[np.ndarray], np.ndarray]
 """Actions for observations, one row per robot."""
 Pilot = Callable[[Challenge, int, Episodes], Act]
 """What steers robots that are at the begin of their episodes in a scenario, in one of its method's runs."""
-
-
-class NoRuntime(LaticaudaError, ImportError):
-    """What runs ONNX files is not installed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +104,7 @@ def reference_law(challenge: Challenge, run: int, episodes: Episodes) -> Act:
 
 def _plan(numbers: dict[str, Any]) -> Pilot:
     """The plan, with the averaged model of the healthy robot in still water; power costs by the scenario's price."""
-    optional_import("The plan", "CasADi", "mpc", "casadi")  # before anything is scored
+    needed("The plan", "casadi")  # before anything is scored
     model, low, high = AveragedModel(**numbers["model"]), *numbers["frequency_limits"]
 
     def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
@@ -176,10 +173,7 @@ def _called(text: str) -> Method:
 
 def _onnx(file: Path) -> Method:
     """A network in an ONNX file: observations in rows of float32 in, actions out, the first output."""
-    try:
-        runtime: Any = import_module("onnxruntime")
-    except ImportError as error:
-        raise NoRuntime("A policy in an ONNX file needs onnxruntime; run `pip install onnxruntime`.") from error
+    runtime = needed("A policy in an ONNX file", "onnxruntime")
     how = runtime.SessionOptions()
     how.intra_op_num_threads = how.inter_op_num_threads = 1  # the same sums in the same order
     session = runtime.InferenceSession(str(file), how, providers=["CPUExecutionProvider"])
@@ -228,7 +222,7 @@ def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
 
     Raises:
         ValueError: If there is no such thing.
-        ImportError: If it needs a package that is not installed, as `MissingExtra` or `NoRuntime`.
+        ImportError: If it needs a package that is not installed, as `NotInstalled`.
     """
     if SCENARIO in text:
         return _each(text, scenarios)

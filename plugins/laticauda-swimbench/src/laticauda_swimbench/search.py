@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import optional_import
 from laticauda_swimbench.challenges import Challenge, challenge
 from laticauda_swimbench.methods import Method, law_pilot, method
+from laticauda_swimbench.packages import needed
 from laticauda_swimbench.scoring import results
 
 TUNING = 2_000_000
@@ -44,9 +44,9 @@ def search(name: str, evaluations: int, tell: Callable[[str], None], seed: int =
         seed: Of the search.
 
     Raises:
-        MissingExtra: If cma is not installed.
+        NotInstalled: If cma is not installed.
     """
-    cma = optional_import("The search", "cma", "learn")
+    cma = needed("The search", "cma")
     one, seeds = challenge(name), tuple(range(TUNING, TUNING + EPISODES))
 
     def cost(at: np.ndarray) -> float:

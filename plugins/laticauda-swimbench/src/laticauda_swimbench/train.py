@@ -1,4 +1,4 @@
-"""Train the learners: PPO and SAC of stable-baselines3, in episodes that are not scored. It needs laticauda[learn].
+"""Train the learners: PPO and SAC of stable-baselines3, in episodes that are not scored. It needs stable-baselines3.
 
 Every run is kept in a folder as it goes on, with the steps that it has had: the same command again goes on where it
 stopped, and more steps go on from there. SAC does not keep its replay buffer, and fills a new one then.
@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from laticauda.cosim.gym import SwimmingVectorEnv
-from laticauda.errors import one_of, optional_import
+from laticauda.errors import one_of
 from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import challenge
+from laticauda_swimbench.packages import needed
 
 SETTINGS: dict[str, dict[str, Any]] = {
     # Steps per robot and update, and a smaller spread at first, as in the comparison of path following.
@@ -53,7 +54,7 @@ def lanes(name: str, n: int) -> Any:
         name: Of the scenario.
         n: How many; shared out among its tasks.
     """
-    optional_import("Training", "stable-baselines3", "learn", "stable_baselines3")
+    needed("Training", "stable-baselines3", "stable_baselines3")
     from laticauda.cosim.gym import StableBaselines
 
     tasks = challenge(name).tasks
@@ -134,10 +135,10 @@ def train(
         Its `steps` and the `seconds` that they took.
 
     Raises:
-        MissingExtra: If stable-baselines3 is not installed.
+        NotInstalled: If stable-baselines3 is not installed.
     """
     one_of("learner", learner, tuple(SETTINGS))
-    library = optional_import("Training", "stable-baselines3", "learn", "stable_baselines3")
+    library = needed("Training", "stable-baselines3", "stable_baselines3")
     import torch
     from stable_baselines3.common.vec_env import VecNormalize
 
@@ -176,7 +177,7 @@ def weights(model_file: Path, learner: str) -> networks.Layers:
         model_file: As `train` keeps it.
         learner: ppo or sac.
     """
-    library = optional_import("Training", "stable-baselines3", "learn", "stable_baselines3")
+    library = needed("Training", "stable-baselines3", "stable_baselines3")
     policy: Any = getattr(library, learner.upper()).load(model_file, device="cpu").policy
     parts = (
         [*policy.mlp_extractor.policy_net, policy.action_net]
