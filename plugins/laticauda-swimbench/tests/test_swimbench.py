@@ -250,7 +250,7 @@ def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without
 
 def test_the_command_scores_and_tables(tmp_path, capsys):
     assert main(["score", "open-loop", "los", "--scenarios", QUICK, "--output", str(tmp_path)]) == 0
-    assert "| LOS | 1 |" in capsys.readouterr().out
+    assert "| LOS |" in capsys.readouterr().out
     assert main(["table", str(tmp_path / "los.json")]) == 0
     assert "economy" in capsys.readouterr().out
     assert main(["score", "nobody"]) == 2

@@ -32,22 +32,25 @@ def energy(content: Mapping[str, Any]) -> float:
 
 
 def table(contents: Sequence[Mapping[str, Any]]) -> str:
-    """One line for each method, the best first, with 95 % intervals.
+    """One line for each method, the best first; of all scenarios the 95 % interval, of each half its width.
 
     Args:
         contents: Of score files.
     """
     rows = [(content["method"], row(content), energy(content)) for content in contents]
     rows.sort(key=lambda each: -each[1]["all"].value if "all" in each[1] else float("inf"))
-    lines = [
-        f"| method | runs | all (IQM) | {' | '.join(CHALLENGES)} | J/m |",
-        f"|---|---|---|{'---|' * len(CHALLENGES)}---|",
-    ]
+    lines = [f"| method | all (IQM) | {' | '.join(CHALLENGES)} | J/m |", f"|---|---|{'---|' * len(CHALLENGES)}---|"]
     for method, found, joules in rows:
-        cells = [_cell(found[name]) if name in found else "" for name in ("all", *CHALLENGES)]
-        lines.append(f"| {method['name']} | {method['runs']} | {' | '.join(cells)} | {joules:.0f} |")
+        runs = f", {method['runs']} runs" if method["runs"] > 1 else ""
+        cells = [_short(found[name]) if name in found else "" for name in CHALLENGES]
+        whole = _long(found["all"]) if "all" in found else ""
+        lines.append(f"| {method['name']}{runs} | {whole} | {' | '.join(cells)} | {joules:.0f} |")
     return "\n".join(lines)
 
 
-def _cell(one: Estimate) -> str:
+def _long(one: Estimate) -> str:
     return f"{one.value:z.2f} ({one.low:z.2f} to {one.high:z.2f})"
+
+
+def _short(one: Estimate) -> str:
+    return f"{one.value:z.2f} ±{0.5 * (one.high - one.low):.2f}"
