@@ -4,18 +4,22 @@ Every page is followed from top to bottom, as a reader would, in an empty folder
 
 - a block whose fence names a file (``title="eel.toml"``) is written to that file;
 - ``python`` blocks run in one namespace;
+- a ``text`` block that is titled "it prints" is what the block before it printed, numbers to 1 %: a line `...` stands
+  for any lines, and one that ends so is the beginning of a line;
 - of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must exist. Those of
   the README run in a shell, by the installed command; the others in this process, which has loaded all they need.
 
 A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example are run elsewhere.
 """
 
+import math
 import os
 import re
 import runpy
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,6 +36,7 @@ FENCE = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 MATHEMATICS = "[\u0391-\u03c9\u2202\u2207\u221a\u2080-\u2099] *[\u0391-\u03c9=(a-z]"
+NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)#\s]+)")
 
 
@@ -73,9 +78,43 @@ def run_here(line: str) -> None:
     assert main(shlex.split(line)[1:]) == 0, line
 
 
-def follow(page: Path) -> None:
+def same_words(expected: str, line: str) -> bool:
+    """Whether they say the same, numbers to 1 %."""
+    words, found = expected.split(), line.split()
+    if words and words[-1] == "...":
+        words = words[:-1]
+        found = found[: len(words)]
+    return len(words) == len(found) and all(map(same_word, words, found))
+
+
+def same_word(expected: str, found: str) -> bool:
+    if NUMBER.sub("#", expected) != NUMBER.sub("#", found):
+        return False
+    pairs = zip(NUMBER.findall(expected), NUMBER.findall(found), strict=True)
+    return all(math.isclose(float(one), float(other), rel_tol=0.01) for one, other in pairs)
+
+
+def check_printed(expected: str, printed: str) -> None:
+    """Find every line, in order, and one right after the other but for where `...` stands."""
+    lines, place, jump = [line for line in printed.splitlines() if line.strip()], 0, False
+    for line in filter(str.strip, expected.splitlines()):
+        if line.strip() == "...":
+            jump = True
+            continue
+        while jump and place < len(lines) and not same_words(line, lines[place]):
+            place += 1
+        assert place < len(lines), f"not printed: {line}\n{printed}"
+        assert same_words(line, lines[place]), f"printed: {lines[place]}"
+        place, jump = place + 1, False
+
+
+def follow(page: Path, capture: Callable[[], str] = str) -> None:
     namespace: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page):
+        if block.title == "it prints":
+            check_printed(block.code, capture())
+            continue
+        capture()
         if block.title:
             Path(block.title).write_text(block.code, encoding="utf-8")
         elif block.language == "python":
@@ -94,11 +133,13 @@ def renders(page: Path) -> bool:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_the_code_of_the_page_runs_from_top_to_bottom(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_code_of_the_page_runs_from_top_to_bottom(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
     if renders(page):
         skip_without_rendering()
     monkeypatch.chdir(tmp_path)
-    follow(page)
+    follow(page, lambda: capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
@@ -121,6 +162,14 @@ def test_every_formula_of_the_page_is_typeset(page: Path):
     shown = re.sub(r"<(math|pre|code).*?</\1>", "", reader.convert(text), flags=re.DOTALL)
     assert "$" not in shown
     assert not [block.code for block in blocks(page) if block.language == "text" and re.search(MATHEMATICS, block.code)]
+
+
+def test_what_a_page_says_is_printed_is_looked_for_line_by_line():
+    printed = "one 1.00 m\ntwo [2]\n\nthree, and so on\nfour 4e-3\n"
+    check_printed("one 1.001 m\n...\nthree, ...\nfour 4.01e-3\n", printed)
+    for wrong in ("two [2]\n", "...\nfive\n", "one 1.02 m\n", "one 1.00 m\nthree, and so on\n", "one 1.00\n"):
+        with pytest.raises(AssertionError, match="printed"):
+            check_printed(wrong, printed)
 
 
 PAGE = """\
