@@ -34,7 +34,7 @@ $(DEV): $(PACKAGE)
 	@$(PIP) install --no-compile --editable '.[all,export]' --group dev  # Python compiles the part that it imports
 	@touch $@
 
-$(DOCS): $(PACKAGE)
+$(DOCS): $(DEV)
 	@echo "Installing the documentation's tools into $(VENV) ..."
 	@$(PIP) install --group docs
 	@touch $@
@@ -77,6 +77,8 @@ pytest: $(DEV)
 
 docs: $(DOCS)  ## Build the documentation into site/
 	@$(BIN)/python docs/make_font.py
+	@$(BIN)/python docs/make_gallery.py
+	@$(BIN)/python docs/make_notebooks.py
 	@PYTHONPATH=. $(BIN)/zensical build --clean --strict
 	@$(BIN)/laticauda export web site/swim
 

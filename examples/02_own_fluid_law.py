@@ -1,14 +1,18 @@
-"""Swim in water of one's own: linear at low speed, and the drag along the body sees some of the sideways speed.
+"""Swim in water of one's own: linear at low speed, and the drag along the body sees
+some of the sideways speed.
 
-A law is a value below `DragLaw`: its fields are its numbers, its `__call__` is the formula. It stands in the water, and
-its numbers have names: they can be swept, identified, stored and given to an FMU. The kernels are compiled for the
-formula once, whatever its numbers; an edited formula compiles anew by itself.
+A law is a value below `DragLaw`: its fields are its numbers, its `__call__` is the
+formula. It stands in the water, and its numbers have names: they can be swept,
+identified, stored and given to an FMU. The kernels are compiled for the formula
+once, whatever its numbers; an edited formula compiles anew by itself.
 
     python examples/02_own_fluid_law.py
 """
 
 from dataclasses import replace
 from math import radians
+
+import matplotlib.pyplot as plt
 
 import laticauda as lc
 from laticauda.fluid import DragLaw
@@ -18,21 +22,47 @@ from laticauda.scalars import magnitude
 
 @value
 class WashedDrag(DragLaw):
-    """Drag that is linear at low speed, and whose part along the body sees some of the sideways speed."""
+    """Linear at low speed; along the body it sees some of the sideways speed."""
 
-    wash: float = quantity("", "Share of the sideways speed that the drag along sees", ge=0.0, default=0.2)
-    floor: float = quantity("m/s", "Speed below which drag is linear", ge=0.0, default=0.1)
+    wash: float = quantity(
+        "",
+        "Share of the sideways speed that the drag along sees",
+        ge=0.0,
+        default=0.2,
+    )
+    floor: float = quantity(
+        "m/s", "Speed below which drag is linear", ge=0.0, default=0.1
+    )
 
     def __call__(self, v_t, v_n, across, rate, element):
-        f_t = -element.c_t * v_t * (self.floor + magnitude(v_t) + self.wash * across)
+        f_t = (
+            -element.c_t * v_t * (self.floor + magnitude(v_t) + self.wash * across)
+        )
         f_n = -element.c_n * v_n * (self.floor + magnitude(v_n))
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
 
 robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
 usual = lc.swim(robot, gait)
-print(f"{water.drag.words}: {usual.forward_velocity:.4f} m/s, {usual.mean_power:.1f} W")
+print(
+    f"{water.drag.words}: {usual.forward_velocity:.4f} m/s, "
+    f"{usual.mean_power:.1f} W"
+)
+figure, ax = plt.subplots(layout="constrained")
 for wash in (0.0, 0.2, 0.4):
-    own = lc.swim(robot, gait, environment=replace(water, drag=WashedDrag(wash=wash)))
-    print(f"{wash:.0%} of the sideways speed counts along: {own.forward_velocity:.4f} m/s, {own.mean_power:.1f} W")
+    own = lc.swim(
+        robot, gait, environment=replace(water, drag=WashedDrag(wash=wash))
+    )
+    print(
+        f"{wash:.0%} of the sideways speed counts along: "
+        f"{own.forward_velocity:.4f} m/s, {own.mean_power:.1f} W"
+    )
+    way = own.center_of_mass[:, 0]
+    ax.plot(own.time, way, label=f"{wash:.0%} of the sideways speed")
+ax.plot(usual.time, usual.center_of_mass[:, 0], "k--", label="the usual law")
+ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.legend()
+figure.savefig("laws.png", dpi=150)

@@ -1,15 +1,21 @@
-"""What does the speed depend on? Derivatives to any number of robot, gait and water.
+"""What does the speed depend on? Derivatives to any number of robot, gait and
+water.
 
 python examples/06_sensitivities.py
 """
 
 from math import radians
 
+import matplotlib.pyplot as plt
+import numpy as np
+
 import laticauda as lc
 from laticauda.simulate import sensitivities
 
 robot = lc.load_robot("mamba-fin")
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
 names = [
     "gait.amplitude",
     "gait.frequency",
@@ -23,9 +29,26 @@ names = [
     "robot.caudal_fin.height",
 ]
 found = sensitivities(robot, gait, names=names)
-speed, power = (found.figures.index(figure) for figure in ("forward_velocity", "mean_power"))
+speed, power = (
+    found.figures.index(figure) for figure in ("forward_velocity", "mean_power")
+)
 
-print(f"{found.values[0, speed]:.4f} m/s, {found.values[0, power]:.2f} W. One percent more of")
+print(
+    f"{found.values[0, speed]:.4f} m/s, {found.values[0, power]:.2f} W. One "
+    "percent more of"
+)
 for k, parameter in enumerate(found.parameters):
     share = found.elasticity[0, :, k]
-    print(f"  {parameter.name:<28} changes the speed by {share[speed]:+.2f} %, the power by {share[power]:+.2f} %")
+    print(
+        f"  {parameter.name:<28} changes the speed by {share[speed]:+.2f} %, the "
+        f"power by {share[power]:+.2f} %"
+    )
+
+figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
+rows = np.arange(len(names))
+ax.barh(rows - 0.2, found.elasticity[0, speed], 0.4, label="speed")
+ax.barh(rows + 0.2, found.elasticity[0, power], 0.4, label="power")
+ax.set_yticks(rows, names)
+ax.set_xlabel("percent more for one percent more")
+ax.legend()
+figure.savefig("sensitivities.png", dpi=150)

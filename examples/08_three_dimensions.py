@@ -1,6 +1,8 @@
-"""Mamba in three dimensions: a pitching wave, a helix, a path in space, the ground, and from a shore into the water.
+"""Mamba in three dimensions: a pitching wave, a helix, a path in space, the ground,
+and from a shore into the water.
 
-A gait may have a second wave, of the pitch joints. Everything here needs the extra `spatial`.
+A gait may have a second wave, of the pitch joints. Everything here needs the extra
+`spatial`.
 
     python examples/08_three_dimensions.py
 """
@@ -8,46 +10,99 @@ A gait may have a second wave, of the pitch joints. Everything here needs the ex
 from dataclasses import replace
 from math import pi, radians
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.spatial.scene import Shore
 
 robot = lc.load_robot("mamba-modules")
-water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)  # it neither rises nor sinks
-yaw = lc.lateral_undulation(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40))
-wave = lc.Wave(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40))
-vertical, helix = replace(yaw, amplitude=0.0, pitch=wave), replace(yaw, pitch=replace(wave, phase=pi / 2))
+water = replace(
+    lc.load_water("paper-lateral"), density=robot.mass / robot.volume
+)  # it neither rises nor sinks
+yaw = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
+)
+wave = lc.Wave(
+    amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
+)
+vertical, helix = (
+    replace(yaw, amplitude=0.0, pitch=wave),
+    replace(yaw, pitch=replace(wave, phase=pi / 2)),
+)
 for name, gait in (("lateral", yaw), ("vertical", vertical), ("helix", helix)):
-    trial = lc.swim(robot, gait, 20.0, environment=water, model="spatial", gravity=False)
+    trial = lc.swim(
+        robot, gait, 20.0, environment=water, model="spatial", gravity=False
+    )
     print(f"{name:8} undulation: {trial.forward_velocity:.3f} m/s")
 
 controller = lc.SpatialPathFollowing(
     gait=yaw,
     path=lc.StraightLine(),
-    profile=lc.Spline(waypoints=((0.0, -0.5), (2.0, -0.5), (5.0, -1.0), (12.0, -1.5))),  # distance along it, height
+    profile=lc.Spline(
+        waypoints=((0.0, -0.5), (2.0, -0.5), (5.0, -1.0), (12.0, -1.5))
+    ),  # distance along it, height
     guidance=lc.LineOfSight(look_ahead_distance=0.5),
     climb_guidance=lc.LineOfSight(look_ahead_distance=1.0),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(15)),
     climb=lc.HeadingController(gain=0.2, max_offset=radians(5)),
 )
-dive = lc.run(lc.plant(robot, water, model="spatial"), controller, 60.0, start=lc.Start(center_of_mass=(0.0, 0.3)))
+dive = lc.run(
+    lc.plant(robot, water, model="spatial"),
+    controller,
+    60.0,
+    start=lc.Start(center_of_mass=(0.0, 0.3)),
+)
 late = dive.time > 40.0
 for name in ("cross_track_error", "height_error"):
-    print(f"path in space, last third: {name} within {100 * abs(dive.signals[name][late]).max():.1f} cm")
+    print(
+        f"path in space, last third: {name} within "
+        f"{100 * abs(dive.signals[name][late]).max():.1f} cm"
+    )
 
-# Friction that fades out below 1 cm/s instead of 1 mm/s lets the steps be ten times as long.
-snake_skin = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+ax.plot(
+    dive.center_of_mass[:, 0], dive.center_of_mass[:, 2], label="center of mass"
+)
+ax.plot(*np.transpose(controller.profile.waypoints), "k.--", label="waypoints")
+ax.set(xlabel="x [m]", ylabel="height [m]")
+ax.legend()
+figure.savefig("dive.png", dpi=150)
+
+# Friction that fades out below 1 cm/s instead of 1 mm/s lets the steps be ten times
+# as long.
+snake_skin = lc.Ground(
+    friction=lc.CoulombFriction(regularization_speed=1e-2),
+    tangential=0.1,
+    normal=0.5,
+)
 bare_skin = replace(snake_skin, tangential=0.4, normal=0.4)
-sidewinding = replace(yaw, amplitude=radians(25), pitch=replace(wave, amplitude=radians(5), phase=pi / 2))
-for name, gait, ground in (("lateral undulation", yaw, snake_skin), ("sidewinding", sidewinding, bare_skin)):
+sidewinding = replace(
+    yaw,
+    amplitude=radians(25),
+    pitch=replace(wave, amplitude=radians(5), phase=pi / 2),
+)
+for name, gait, ground in (
+    ("lateral undulation", yaw, snake_skin),
+    ("sidewinding", sidewinding, bare_skin),
+):
     trial = lc.swim(robot, gait, 10.0, environment=ground, model="spatial")
-    forward, left, _ = np.diff(trial.center_of_mass[[0, -1]], axis=0)[0] / trial.duration
+    forward, left, _ = (
+        np.diff(trial.center_of_mass[[0, -1]], axis=0)[0] / trial.duration
+    )
     print(f"{name}: {forward:.2f} m/s forward, {left:.2f} m/s to the left")
 
-shore = lc.plant(robot, lc.load_water("paper-lateral"), model="spatial", scene=Shore(ground=snake_skin))
+shore = lc.plant(
+    robot,
+    lc.load_water("paper-lateral"),
+    model="spatial",
+    scene=Shore(ground=snake_skin),
+)
 start = lc.Start(center_of_mass=(1.6, 0.0))  # the shore ends at x = 2.5 m
 trial = lc.run(shore, lc.OpenLoop(command=lc.Command(gait=yaw)), 20.0, start=start)
 trial.save("shore.nc")  # laticauda view shore.nc --video shore.mp4
 wet = trial.time[np.argmax(trial.center_of_mass[:, 2] < -0.05)]
-print(f"from the shore: under water after {wet:.1f} s, {trial.center_of_mass[-1, 0] - 1.6:.1f} m in 20 s")
+print(
+    f"from the shore: under water after {wet:.1f} s, "
+    f"{trial.center_of_mass[-1, 0] - 1.6:.1f} m in 20 s"
+)

@@ -1,7 +1,7 @@
 """How stiff should a caudal fin be? Mamba swims with fins from limp to rigid.
 
-A fin with hinges bends; `flexural_rigidity` is E I of its plate, 2.2 N m^2 for 5 mm of polycarbonate. All trials go
-side by side in one batch.
+A fin with hinges bends; `flexural_rigidity` is E I of its plate, 2.2 N m^2 for 5 mm
+of polycarbonate. All trials go side by side in one batch.
 
     python examples/09_elastic_fin.py
 """
@@ -9,16 +9,25 @@ side by side in one batch.
 from dataclasses import replace
 from math import radians
 
+import matplotlib.pyplot as plt
+
 import laticauda as lc
 from laticauda.hydrodynamics import bending_frequencies
 
 robot = lc.load_robot("mamba-fin")
 water = lc.load_water("paper-lateral")
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
 
 stiffnesses = [0.03, 0.1, 0.3, 1.0, 2.0, 3.0, 10.0, 100.0]
 robots = [
-    replace(robot, caudal_fin=replace(robot.caudal_fin, n_hinges=3, flexural_rigidity=stiffness))
+    replace(
+        robot,
+        caudal_fin=replace(
+            robot.caudal_fin, n_hinges=3, flexural_rigidity=stiffness
+        ),
+    )
     for stiffness in stiffnesses
 ]
 bent = lc.swim_many(robots, gait, 30.0, environments=water)
@@ -27,5 +36,18 @@ rigid = lc.swim(robot, gait, 30.0, environment=water)
 print("E I [N m^2]   swings at [Hz]   speed [m/s]   mean power [W]")
 for i, stiffness in enumerate(stiffnesses):
     frequency = bending_frequencies(robots[i], water)[0]
-    print(f"{stiffness:11g}   {frequency:14.2f}   {bent.forward_velocity[i]:11.4f}   {bent.mean_power[i]:14.1f}")
-print(f"      rigid                    {rigid.forward_velocity:11.4f}   {rigid.mean_power:14.1f}")
+    print(
+        f"{stiffness:11g}   {frequency:14.2f}   {bent.forward_velocity[i]:11.4f}  "
+        f" {bent.mean_power[i]:14.1f}"
+    )
+print(
+    f"      rigid                    {rigid.forward_velocity:11.4f}   "
+    f"{rigid.mean_power:14.1f}"
+)
+
+figure, ax = plt.subplots(layout="constrained")
+ax.semilogx(stiffnesses, bent.forward_velocity, "o-", label="a fin that bends")
+ax.axhline(rigid.forward_velocity, color="gray", label="a rigid one")
+ax.set(xlabel="E I [N m^2]", ylabel="forward velocity [m/s]")
+ax.legend()
+figure.savefig("fin.png", dpi=150)

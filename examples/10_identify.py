@@ -1,35 +1,52 @@
-"""What are the coefficients of this water, and which of them can be known? From a few tracked trials.
+"""What are the coefficients of this water, and which of them can be known? From a
+few tracked trials.
 
 python examples/10_identify.py
 """
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.identify import Measurement, fit, from_trial, leave_out
 
-# In place of a tank: three trials in a water whose numbers the fit is not told, seen by a tracker with noise.
+# In place of a tank: three trials in a water whose numbers the fit is not told,
+# seen by a tracker with noise.
 rng = np.random.default_rng(1)
 robot, guess = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-truth = replace(guess, tangential_friction=0.2, normal_drag=1.4, current=(0.01, -0.02))
+truth = replace(
+    guess, tangential_friction=0.2, normal_drag=1.4, current=(0.01, -0.02)
+)
 measured: list[Measurement] = []
 for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
-    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=phase_shift, offset=0.03)
+    gait = lc.lateral_undulation(
+        amplitude=0.5, frequency=2.0, phase_shift=phase_shift, offset=0.03
+    )
     trial = lc.swim(robot, gait, 12.0, environment=truth)
     tracked = replace(
         trial,
-        center_of_mass=trial.center_of_mass + 0.003 * rng.standard_normal(trial.center_of_mass.shape),
+        center_of_mass=trial.center_of_mass
+        + 0.003 * rng.standard_normal(trial.center_of_mass.shape),
         heading=trial.heading + 0.01 * rng.standard_normal(trial.heading.shape),
     )
-    noise = {"center_of_mass": 0.003, "heading": 0.01}  # standard deviations [m], [rad]
+    noise = {
+        "center_of_mass": 0.003,
+        "heading": 0.01,
+    }  # standard deviations [m], [rad]
     seen = from_trial(tracked, name=f"trial {k}", series=noise, every=5)
     measured.append(
         replace(seen, scenario=replace(seen.scenario, environment=guess))
     )  # it began about where it was seen
 
-names = ["water.tangential_friction", "water.normal_drag", "water.current_x", "water.current_y", "water.added_inertia"]
+names = [
+    "water.tangential_friction",
+    "water.normal_drag",
+    "water.current_x",
+    "water.current_y",
+    "water.added_inertia",
+]
 found = fit(measured, parameters=names)
 
 print(found.status)
@@ -38,8 +55,33 @@ for estimate in (found[name] for name in names):
         print(f"  {estimate.name:<26} {estimate.note}")
     else:
         low, high = estimate.interval
-        print(f"  {estimate.name:<26} {estimate.value:8.4f} [{low:.4f}, {high:.4f}] {estimate.unit}")
+        print(
+            f"  {estimate.name:<26} {estimate.value:8.4f} [{low:.4f}, {high:.4f}] "
+            f"{estimate.unit}"
+        )
 print(f"friction and drag are correlated: {found.correlations[0, 1]:+.2f}")
 left = leave_out(found)
-error = np.sqrt(np.mean((left.predictions - found.problem.observed) ** 2 / found.problem.sigma**2))
-print(f"trials that the fit did not see are predicted to {error:.2f} times the noise")
+error = np.sqrt(
+    np.mean(
+        (left.predictions - found.problem.observed) ** 2 / found.problem.sigma**2
+    )
+)
+print(
+    f"trials that the fit did not see are predicted to {error:.2f} times the noise"
+)
+
+figure, axes = plt.subplots(1, 4, figsize=(9, 3), layout="constrained")
+truths = (0.2, 1.4, 0.01, -0.02)
+for ax, name, true in zip(axes, names, truths, strict=False):
+    low, high = found[name].interval
+    ax.errorbar(
+        0,
+        found[name].value,
+        [[found[name].value - low], [high - found[name].value]],
+        fmt="o",
+        capsize=5,
+    )
+    ax.plot(0, true, "k_", markersize=20)
+    ax.set(title=name.removeprefix("water."), xticks=[])
+figure.suptitle("identified, with 95 % intervals; line: the truth")
+figure.savefig("identified.png", dpi=150)

@@ -6,19 +6,35 @@ python examples/11_logs.py
 from math import degrees, radians
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+
 import laticauda as lc
 
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
 trial = lc.swim(lc.load_robot("mamba-fin"), gait, duration=30.0)
 
-# Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. All of them load back equal.
+# Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. All of
+# them load back equal.
 for name in ("run.mcap", "run.mat", "run.parquet"):
     trial.save(name)
-    print(f"{name}: {Path(name).stat().st_size / 1e6:.2f} MB, equal: {lc.load_trial(name).equals(trial)}")
+    print(
+        f"{name}: {Path(name).stat().st_size / 1e6:.2f} MB, equal: "
+        f"{lc.load_trial(name).equals(trial)}"
+    )
 
-# In: a table of where the robot was, from any program, and a map that says what its columns are.
-rows = zip(1000.0 * trial.time, *trial.center_of_mass.T, [degrees(angle) for angle in trial.heading], strict=True)
-Path("log.csv").write_text("\n".join(["ms,x,y,heading", *(",".join(map(str, row)) for row in rows)]))
+# In: a table of where the robot was, from any program, and a map that says what its
+# columns are.
+rows = zip(
+    1000.0 * trial.time,
+    *trial.center_of_mass.T,
+    [degrees(angle) for angle in trial.heading],
+    strict=True,
+)
+Path("log.csv").write_text(
+    "\n".join(["ms,x,y,heading", *(",".join(map(str, row)) for row in rows)])
+)
 Path("map.toml").write_text("""
 kind = "columns"
 robot = "mamba-fin"
@@ -41,5 +57,13 @@ column = "heading"
 unit = "deg"
 """)
 log = lc.load_trial("log.csv", columns="map.toml")
-print(f"{log.status} {log.forward_velocity:.4f} m/s, turns {degrees(log.turning_rate):+.3f} deg/s")
+print(
+    f"{log.status} {log.forward_velocity:.4f} m/s, turns "
+    f"{degrees(log.turning_rate):+.3f} deg/s"
+)
 print(f"Not measured: {', '.join(log.not_measured)}")
+
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+ax.plot(*log.center_of_mass.T)
+ax.set(xlabel="x [m]", ylabel="y [m]", title="what the log says", aspect="equal")
+figure.savefig("log.png", dpi=150)

@@ -1,24 +1,35 @@
-"""Operate the virtual tank: the operator's program against joint modules, cameras and a power meter.
+"""Operate the virtual tank: the operator's program against joint modules, cameras
+and a power meter.
 
-Here both stand in one process and are stepped, so nothing waits. `make lab` runs them as two programs with a CAN bus, a
-network port and a serial line between them; on the robot, `laticauda operate` is the same operator.
+Here both stand in one process and are stepped, so nothing waits. `make lab` runs
+them as two programs with a CAN bus, a network port and a serial line between them;
+on the robot, `laticauda operate` is the same operator.
 
     python examples/12_lab.py
 """
 
 from math import degrees, radians
 
+import matplotlib.pyplot as plt
+
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
+from laticauda.operate.settings import (
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Operation,
+)
 
 operation = Operation(
     name="desk",
     robot="mamba",
-    gait=lc.lateral_undulation(amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)),
+    gait=lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
+    ),
     following=Following(look_ahead_distance=0.18, gain=0.4, max_offset=radians(20)),
     duration=15.0,
     rate=50.0,
@@ -33,19 +44,45 @@ def operated(*faults: Fault) -> None:
     """Run it in a tank with these faults, and say what happened."""
     robot = operation.body()
     plant = lc.plant(robot, operation.pool(), joints="servo")
-    tank = Tank(VirtualRobot(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))), LabSettings(seed=1), faults)
+    tank = Tank(
+        VirtualRobot(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))),
+        LabSettings(seed=1),
+        faults,
+    )
+
+    way = []
 
     def show(state, outputs) -> None:
+        if state.estimate is not None:
+            way.append(
+                (*state.estimate.center_of_mass[:2], *tank.truth.center_of_mass[:2])
+            )
         for event in outputs.events:
             if event.kind != "phase":
                 print(f"{event.time:7.2f} s  {event.message}")
 
     state, _ = run_loop(Operator(operation=operation), TankDevices(tank), show=show)
     where, truth = state.estimate, tank.truth
-    print(f"p_y {where.center_of_mass[1]:.3f} m (true {truth.center_of_mass[1]:.3f})", end=", ")
-    print(f"heading {degrees(where.heading):.1f} deg (true {degrees(truth.heading):.1f})")
-    print(f"at rest {state.idle.mean:.2f} A, swimming {state.drawn.mean:.2f} A; {state.supervisor.state}\n")
+    print(
+        f"p_y {where.center_of_mass[1]:.3f} m (true {truth.center_of_mass[1]:.3f})",
+        end=", ",
+    )
+    print(
+        f"heading {degrees(where.heading):.1f} deg (true "
+        f"{degrees(truth.heading):.1f})"
+    )
+    print(
+        f"at rest {state.idle.mean:.2f} A, swimming {state.drawn.mean:.2f} A; "
+        f"{state.supervisor.state}\n"
+    )
+    x, y, true_x, true_y = zip(*way, strict=True)
+    ax.plot(x, y, label="estimate, " + ("a leak" if faults else "no fault"))
+    ax.plot(true_x, true_y, "k:", linewidth=1)
 
 
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
 operated()
 operated(Fault(kind="leak", time=20.0, node=4))
+ax.set(xlabel="x [m]", ylabel="y [m]", title="dotted: the truth")
+ax.legend()
+figure.savefig("tank.png", dpi=150)

@@ -1,6 +1,8 @@
-"""Mamba with its fin plans its way along a line, in a current across that is half as fast as the robot swims.
+"""Mamba with its fin plans its way along a line, in a current across that is half
+as fast as the robot swims.
 
-How the gait moves the robot comes out of four trials. The plan steers and chooses the frequency, within 15 W.
+How the gait moves the robot comes out of four trials. The plan steers and chooses
+the frequency, within 15 W.
 
     pip install "laticauda[mpc]"
     python examples/13_mpc.py
@@ -9,17 +11,25 @@ How the gait moves the robot comes out of four trials. The plan steers and choos
 from dataclasses import replace
 from math import degrees, radians
 
+import matplotlib.pyplot as plt
+
 import laticauda as lc
 from laticauda.control import ModelPredictive
 from laticauda.studies import averaged_model
 from laticauda.trial import following
 
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(90), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
+)
 robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
-model = averaged_model(lc.plant(robot, water), gait, (radians(60), radians(120)))  # from four trials of its own
+model = averaged_model(
+    lc.plant(robot, water), gait, (radians(60), radians(120))
+)  # from four trials of its own
 
 limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}
-plans = ModelPredictive(gait=gait, path=lc.StraightLine(), model=model, speed=0.12, **limits)
+plans = ModelPredictive(
+    gait=gait, path=lc.StraightLine(), model=model, speed=0.12, **limits
+)
 sight = lc.PathFollowing(
     gait=gait,
     path=lc.StraightLine(),
@@ -27,10 +37,25 @@ sight = lc.PathFollowing(
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
 current = lc.plant(robot, replace(water, current=(0.0, 0.06)))
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
 for name, controller in (("line of sight", sight), ("plan", plans)):
-    trial = lc.run(current, controller, 90.0, start=lc.Start(center_of_mass=(0.0, 0.5)))
-    error, along = (trial.signals[key] for key in ("cross_track_error", "along_track_distance"))
+    trial = lc.run(
+        current, controller, 90.0, start=lc.Start(center_of_mass=(0.0, 0.5))
+    )
+    error, along = (
+        trial.signals[key] for key in ("cross_track_error", "along_track_distance")
+    )
     stays = 100.0 * following.last_third_error(trial.time, error, trial.period)
     print(f"{name}: {stays:.1f} cm beside the line, {along[-1]:.1f} m along it")
-frequency, drift = degrees(trial.signals["frequency"][-1]), trial.signals["drift_y"][-1]
-print(f"the plan swims at {frequency:.0f} deg/s and reckons with a drift of {drift:.3f} m/s")
+    ax.plot(trial.time, 100.0 * error, label=name)
+frequency, drift = (
+    degrees(trial.signals["frequency"][-1]),
+    trial.signals["drift_y"][-1],
+)
+print(
+    f"the plan swims at {frequency:.0f} deg/s and reckons with a drift of "
+    f"{drift:.3f} m/s"
+)
+ax.set(xlabel="time [s]", ylabel="beside the line [cm]")
+ax.legend()
+figure.savefig("plan.png", dpi=150)

@@ -1,8 +1,11 @@
-"""A learner against line of sight: follow a line in a current that neither of them sees.
+"""A learner against line of sight: follow a line in a current that neither of them
+sees.
 
-The learner is an evolution strategy (CMA-ES) on a policy of ten numbers. In 64 lanes of one environment 16 candidates
-swim four episodes each, so a generation is 19 200 steps of 0.2 s and takes a fraction of a second. Three seeds; the
-episodes at the end are new to all. `campaigns/learning.py` has PPO of stable-baselines3 in place of it.
+The learner is an evolution strategy (CMA-ES) on a policy of ten numbers. In 64
+lanes of one environment 16 candidates swim four episodes each, so a generation is
+19 200 steps of 0.2 s and takes a fraction of a second. Three seeds; the episodes at
+the end are new to all. `campaigns/learning.py` has PPO of stable-baselines3 in
+place of it.
 
     pip install "laticauda[learn]" cma
     python examples/14_learning.py
@@ -10,13 +13,16 @@ episodes at the end are new to all. `campaigns/learning.py` has PPO of stable-ba
 
 import cma
 import gymnasium
+import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.cosim.gym import Pilots
 
 GENERATIONS, CANDIDATES, EPISODES = 20, 16, 4
-envs = gymnasium.make_vec("laticauda/PathFollowing-v0", num_envs=CANDIDATES * EPISODES)
+envs = gymnasium.make_vec(
+    "laticauda/PathFollowing-v0", num_envs=CANDIDATES * EPISODES
+)
 task = envs.unwrapped.task
 
 
@@ -31,26 +37,47 @@ def returns(act, seed):
 
 
 def linear(weights):
-    """Offsets from weighted sums of what is seen, with one row of weights for every lane."""
-    return lambda seen: np.tanh((seen * weights[:, :-1]).sum(axis=1, keepdims=True) + weights[:, -1:])
+    """Offsets from weighted sums of what is seen, a row of weights a lane."""
+    return lambda seen: np.tanh(
+        (seen * weights[:, :-1]).sum(axis=1, keepdims=True) + weights[:, -1:]
+    )
 
 
 def learned(seed):
     """The weights that an evolution of so many generations ends with."""
-    search = cma.CMAEvolutionStrategy([0.0] * 10, 0.2, {"popsize": CANDIDATES, "seed": seed + 1, "verbose": -9})
+    search = cma.CMAEvolutionStrategy(
+        [0.0] * 10, 0.2, {"popsize": CANDIDATES, "seed": seed + 1, "verbose": -9}
+    )
     for generation in range(GENERATIONS):
         asked = search.ask()
-        worth = returns(linear(np.repeat(asked, EPISODES, axis=0)), seed=1000 * (seed + 1) + generation)
+        worth = returns(
+            linear(np.repeat(asked, EPISODES, axis=0)),
+            seed=1000 * (seed + 1) + generation,
+        )
         search.tell(asked, -worth.reshape(CANDIDATES, EPISODES).mean(axis=1))
     return search.result.xfavorite
 
 
 heading = lc.HeadingController(gain=0.4, max_offset=task.max_offset)
 sight = lc.LineOfSight(look_ahead_distance=0.18)
-law = lc.PathFollowing(gait=task.gait, path=lc.StraightLine(), guidance=sight, heading=heading, interval=task.interval)
+law = lc.PathFollowing(
+    gait=task.gait,
+    path=lc.StraightLine(),
+    guidance=sight,
+    heading=heading,
+    interval=task.interval,
+)
 pilots = Pilots(law, envs.unwrapped.episodes)
-print(f"line of sight: return {returns(lambda _: pilots.actions(), seed=0).mean():.1f}")
+found = {"line of sight": returns(lambda _: pilots.actions(), seed=0)}
+print(f"line of sight: return {found['line of sight'].mean():.1f}")
 steps = GENERATIONS * envs.num_envs * task.n_steps
 for seed in range(3):
     weights = np.tile(learned(seed), (envs.num_envs, 1))
-    print(f"learner, seed {seed}, {steps} steps: return {returns(linear(weights), seed=0).mean():.1f}")
+    found[f"learner {seed}"] = returns(linear(weights), seed=0)
+    worth = found[f"learner {seed}"].mean()
+    print(f"learner, seed {seed}, {steps} steps: return {worth:.1f}")
+
+figure, ax = plt.subplots(layout="constrained")
+ax.boxplot(list(found.values()), tick_labels=list(found))
+ax.set_ylabel("return of an episode")
+figure.savefig("returns.png", dpi=150)

@@ -1,6 +1,8 @@
-"""A robot as an FMU: written here, steered by another program, with nothing of laticauda behind it.
+"""A robot as an FMU: written here, steered by another program, with nothing of
+laticauda behind it.
 
-FMPy (pip install fmpy) stands for any tool that speaks FMI 2.0, and a C compiler has to be there to write the FMU.
+FMPy (pip install fmpy) stands for any tool that speaks FMI 2.0, and a C compiler
+has to be there to write the FMU.
 
 python examples/15_fmu.py
 """
@@ -8,6 +10,7 @@ python examples/15_fmu.py
 from math import atan2, degrees, radians
 from os.path import abspath
 
+import matplotlib.pyplot as plt
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
@@ -15,35 +18,66 @@ import laticauda as lc
 from laticauda.cosim import export_fmu
 
 robot = lc.load_robot("mamba-fin")
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
 variables = export_fmu("mamba.fmu", robot, gait)
-count = {kind: sum(v.causality == kind for v in variables) for kind in ("parameter", "input", "output")}
-print("mamba.fmu:", ", ".join(f"{number} {kind}s" for kind, number in count.items()))
+count = {
+    kind: sum(v.causality == kind for v in variables)
+    for kind in ("parameter", "input", "output")
+}
+print(
+    "mamba.fmu:", ", ".join(f"{number} {kind}s" for kind, number in count.items())
+)
 
 # The same 30 s, in FMPy and here.
 seen = simulate_fmu("mamba.fmu", stop_time=30.0, output_interval=0.05)
 trial = lc.swim(robot, gait, duration=30.0)
-there, here = float(seen["center_of_mass.x"][-1]), float(trial.center_of_mass[-1, 0])
-print(f"after 30 s: x = {there:.6f} m in FMPy, {abs(there - here):.0e} m from Python's")
+there, here = (
+    float(seen["center_of_mass.x"][-1]),
+    float(trial.center_of_mass[-1, 0]),
+)
+print(
+    f"after 30 s: x = {there:.6f} m in FMPy, {abs(there - here):.0e} m from "
+    "Python's"
+)
 
-# Step by step, as a co-simulation does: a current sets in after 20 s, and the offset holds the course against it.
+# Step by step, as a co-simulation does: a current sets in after 20 s, and the
+# offset holds the course against it.
 folder = extract("mamba.fmu", abspath("mamba"))
 told = read_model_description(folder)
 number = {v.name: v.valueReference for v in told.modelVariables}
 snake = FMU2Slave(
-    guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="snake"
+    guid=told.guid,
+    unzipDirectory=folder,
+    modelIdentifier=told.coSimulation.modelIdentifier,
+    instanceName="snake",
 )
 snake.instantiate()
 snake.setupExperiment()
 snake.enterInitializationMode()
 snake.exitInitializationMode()
 gain, look_ahead, step = 0.3, 1.5, 0.05
+way = []
 for k in range(2000):
     y, heading = snake.getReal([number["center_of_mass.y"], number["heading"]])
+    way.append(y)
     offset = gain * (atan2(-y, look_ahead) - heading)
     current = 0.03 if k * step >= 20.0 else 0.0
     snake.setReal([number["gait.offset"], number["current.y"]], [offset, current])
     snake.doStep(k * step, step)
-x, y, heading = snake.getReal([number[name] for name in ("center_of_mass.x", "center_of_mass.y", "heading")])
-print(f"after 100 s: x = {x:.2f} m, {y:.3f} m beside the line, heading {degrees(heading):.1f} deg")
+x, y, heading = snake.getReal(
+    [number[name] for name in ("center_of_mass.x", "center_of_mass.y", "heading")]
+)
+print(
+    f"after 100 s: x = {x:.2f} m, {y:.3f} m beside the line, heading "
+    f"{degrees(heading):.1f} deg"
+)
 snake.freeInstance()
+
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+ax.plot([k * step for k in range(2000)], way)
+ax.axvline(20.0, color="gray", label="the current sets in")
+ax.set(xlabel="time [s]", ylabel="beside the line [m]")
+ax.legend()
+figure.savefig("fmu.png", dpi=150)

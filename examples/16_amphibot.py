@@ -1,4 +1,5 @@
-"""A robot that nobody fitted: AmphiBot's recorded run 1, simulated from its measured joint angles.
+"""A robot that nobody fitted: AmphiBot's recorded run 1, simulated from its
+measured joint angles.
 
 campaigns/amphibot.py has all figures of it, beside models without hydrodynamics.
 
@@ -12,13 +13,20 @@ import laticauda as lc
 from laticauda.robot.files import PRESETS
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
-# The water is the textbook's: friction of skin, nose and gaps, drag and added mass of an elliptic section.
+# The water is the textbook's: friction of skin, nose and gaps, drag and added mass
+# of an elliptic section.
 gait = lc.recorded_gait(lc.load_joint_angles("amphibot-1"))
 trial = lc.swim("amphibot", gait, 13.0, dt=0.005, sample_interval=0.02)
 
-# 13 LEDs from head to tail, by their distance from the tail end along the straight body.
+# 13 LEDs from head to tail, by their distance from the tail end along the straight
+# body.
 link = 0.0965
-along = [0.6245, *(at for k in range(6, 1, -1) for at in (k * link, k * link - 0.0545)), link, link - 0.053]
+along = [
+    0.6245,
+    *(at for k in range(6, 1, -1) for at in (k * link, k * link - 0.0545)),
+    link,
+    link - 0.053,
+]
 seen = Track.read(PRESETS / "tracks" / "amphibot-1.csv")
 time, gap = marker_distance(trial, seen, along, fitted=(0.4, 1.1))
 
@@ -30,10 +38,16 @@ for name, (when, middle) in middles.items():
     way = np.hypot(*(one - one[0] for one in place))
     left.plot(seen.time, way, label=name)
     now = (seen.time > 2.2) & (seen.time < 4.5)
-    print(f"{name}: {np.polyfit(seen.time[now], way[now], 1)[0]:.2f} m/s from 2.2 to 4.5 s")
+    print(
+        f"{name}: {np.polyfit(seen.time[now], way[now], 1)[0]:.2f} m/s from 2.2 "
+        "to 4.5 s"
+    )
 right.plot(time, 1000 * gap)
 left.set(xlabel="time [s]", ylabel="distance from the start [m]")
 left.legend()
 right.set(xlabel="time [s]", ylabel="RMS distance of the LEDs [mm]")
 figure.savefig("amphibot.png", dpi=150)
-print(f"the LEDs are {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s, where the robot is 2 m from its start")
+print(
+    f"the LEDs are {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s, "
+    "where the robot is 2 m from its start"
+)

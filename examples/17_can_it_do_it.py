@@ -1,12 +1,16 @@
-"""Can this robot do it? What the gaits of the docs take of every preset, and Table 1's of Mamba's joints in the models.
+"""Can this robot do it? What the gaits of the docs take of every preset, and Table
+1's of Mamba's joints in the models.
 
-The real Mamba swam all of Table 1. So a row beyond its published servo (2.9 N m, 7.5 rad/s) says that the model's water
-or its joints ask for too much, or that there is more gear between servo and joint than was published.
+The real Mamba swam all of Table 1. So a row beyond its published servo (2.9 N m,
+7.5 rad/s) says that the model's water or its joints ask for too much, or that there
+is more gear between servo and joint than was published.
 
     python examples/17_can_it_do_it.py
 """
 
 import math
+
+import matplotlib.pyplot as plt
 
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
@@ -14,15 +18,37 @@ from laticauda.robot import load_parameters, parameter_names, robot_names
 from laticauda.trial.feasibility import feasibility
 
 KINDS = {"lateral": lc.lateral_undulation, "eel": lc.eel_like}
-GAITS = [("lateral", 30, 130, 40), ("lateral", 30, 90, 40), ("eel", 50, 110, 40), ("eel", 40, 90, 40)]
+GAITS = [
+    ("lateral", 30, 130, 40),
+    ("lateral", 30, 90, 40),
+    ("eel", 50, 110, 40),
+    ("eel", 40, 90, 40),
+]
 
-print("share used of joints, motors and room, 30 s with prescribed joints and the default water; above 1: beyond it")
+print(
+    "share used of joints, motors and room, 30 s with prescribed joints and the "
+    "default water; above 1: beyond it"
+)
 print(" " * 18 + "".join(f"{kind:>9} {a} {w:>3} {d}" for kind, a, w, d in GAITS))
+figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
 for name in robot_names():
-    gaits = [KINDS[kind](amplitude_deg=a, frequency_deg_s=w, phase_shift_deg=d) for kind, a, w, d in GAITS]
-    stated = "" if lc.load_robot(name).joints[0].actuator.stated else "  no actuator is stated"
+    gaits = [
+        KINDS[kind](amplitude_deg=a, frequency_deg_s=w, phase_shift_deg=d)
+        for kind, a, w, d in GAITS
+    ]
+    stated = (
+        ""
+        if lc.load_robot(name).joints[0].actuator.stated
+        else "  no actuator is stated"
+    )
     shares = [lc.swim(name, gait).utilization for gait in gaits]
     print(f"{name:18}" + "".join(f"{share:19.2f}" for share in shares) + stated)
+    ax.plot(range(len(GAITS)), shares, "o-", label=name)
+ax.axhline(1.0, color="black", linewidth=1)
+ax.set_xticks(range(len(GAITS)), [f"{k}, {a} {w} {d}" for k, a, w, d in GAITS])
+ax.set_ylabel("share used; above 1: it cannot")
+ax.legend(fontsize=7)
+figure.savefig("can-it.png", dpi=150)
 
 for name in parameter_names():
     model = load_parameters(name)
@@ -30,12 +56,34 @@ for name in parameter_names():
     n_beyond, most = 0, 0.0
     for row in efficiency_trials():
         published = lc.load_robot(row.robot)
-        robot, water = model.robot(published, row.gait.kind), model.water(row.gait.kind)
-        trial = lc.swim(robot, row.gait, environment=water, joints=model.joints or "prescribed")
-        found = feasibility(published, trial, trial.period)  # the same motion and torques, the published servo
+        robot, water = (
+            model.robot(published, row.gait.kind),
+            model.water(row.gait.kind),
+        )
+        trial = lc.swim(
+            robot, row.gait, environment=water, joints=model.joints or "prescribed"
+        )
+        found = feasibility(
+            published, trial, trial.period
+        )  # the same motion and torques, the published servo
         n_beyond += bool(found.problems)
         most = max(most, found.figures["peak_joint_torque"])
-        setting = [math.degrees(angle) for angle in (row.gait.amplitude, row.gait.frequency, row.gait.phase_shift)]
-        where = "{:9} {:18} {:3.0f} deg {:4.0f} deg/s {:3.0f} deg".format(row.robot, row.gait.words, *setting)
-        print(f"  {where} {found.figures['utilization']:6.2f}  {'; '.join(found.problems) or 'feasible'}")
-    print(f"  {n_beyond} of {len(efficiency_trials())} rows are beyond the servo; the largest torque is {most:.1f} N m")
+        setting = [
+            math.degrees(angle)
+            for angle in (
+                row.gait.amplitude,
+                row.gait.frequency,
+                row.gait.phase_shift,
+            )
+        ]
+        where = "{:9} {:18} {:3.0f} deg {:4.0f} deg/s {:3.0f} deg".format(
+            row.robot, row.gait.words, *setting
+        )
+        print(
+            f"  {where} {found.figures['utilization']:6.2f}  "
+            f"{'; '.join(found.problems) or 'feasible'}"
+        )
+    print(
+        f"  {n_beyond} of {len(efficiency_trials())} rows are beyond the servo; "
+        f"the largest torque is {most:.1f} N m"
+    )

@@ -1,7 +1,9 @@
-"""A tank day: from a robot on the table to its own water, with a verdict about the law of the water.
+"""A tank day: from a robot on the table to its own water, with a verdict about the
+law of the water.
 
-A simulated robot stands in for the one in the tank, in a water that the evaluation is not told, seen with noise. In a
-lab, `laticauda design-experiment --tank-day day` makes the folder, people fill it, and the same command evaluates it.
+A simulated robot stands in for the one in the tank, in a water that the evaluation
+is not told, seen with noise. In a lab, `laticauda design-experiment --tank-day day`
+makes the folder, people fill it, and the same command evaluates it.
 
     python examples/18_tank_day.py
 """
@@ -22,24 +24,45 @@ from laticauda.robot import textbook_water
 
 rng, folder = np.random.default_rng(1), Path("day")
 robot = lc.load_robot("amphibot")
-truth = replace(textbook_water(robot).water, tangential_friction=0.06, normal_drag=1.9)
+truth = replace(
+    textbook_water(robot).water, tangential_friction=0.06, normal_drag=1.9
+)
 tank_day.begin(folder, robot)
 
 
 def log(name: str, trial: lc.Trial) -> None:
-    """Fill a table as a lab would: the tail link by motion capture, and encoders."""
-    place = Posture(robot, trial.center_of_mass, trial.link_angle).link_centers[:, 0]
+    """Fill a table as a lab would: the tail link by motion capture, encoders."""
+    posture = Posture(robot, trial.center_of_mass, trial.link_angle)
+    place = posture.link_centers[:, 0]
     angles = np.column_stack((trial.link_angle[:, :1], trial.joint_angle))
-    place, angles = place + rng.normal(0.0, 0.0045, place.shape), angles + rng.normal(0.0, 0.005, angles.shape)
+    place, angles = (
+        place + rng.normal(0.0, 0.0045, place.shape),
+        angles + rng.normal(0.0, 0.005, angles.shape),
+    )
     with (folder / f"{name}.csv").open("a", newline="") as file:
-        csv.writer(file).writerows(np.column_stack((trial.time, place, np.degrees(angles))).tolist())
+        csv.writer(file).writerows(
+            np.column_stack((trial.time, place, np.degrees(angles))).tolist()
+        )
 
 
-asked = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=120, phase_shift_deg=40)
+asked = lc.lateral_undulation(
+    amplitude_deg=30, frequency_deg_s=120, phase_shift_deg=40
+)
 still = replace(asked, amplitude=0.0)
-swim = lc.swim(robot, asked, 12.0, environment=truth, joints=SpeedServo(speed_limit=0.9))
+swim = lc.swim(
+    robot, asked, 12.0, environment=truth, joints=SpeedServo(speed_limit=0.9)
+)
 log("swim", swim)
-log("glide", lc.swim(robot, still, 8.0, environment=truth, start=lc.Start(velocity=swim.forward_velocity)))
+log(
+    "glide",
+    lc.swim(
+        robot,
+        still,
+        8.0,
+        environment=truth,
+        start=lc.Start(velocity=swim.forward_velocity),
+    ),
+)
 with (folder / "tows.csv").open() as file:
     head, *rows = csv.reader(file)
 for row in rows:
@@ -52,5 +75,8 @@ with (folder / "tows.csv").open("w", newline="") as file:
 day = tank_day.load_day(folder)
 found = tank_day.evaluate(day)
 print(tank_day.words(found))
-print(f"in truth: C_f 0.06, C_D 1.9, C_A {truth.added_mass:.3g}, beta 0.5, kirchhoff; joints at most 0.9 rad/s")
+print(
+    f"in truth: C_f 0.06, C_D 1.9, C_A {truth.added_mass:.3g}, beta 0.5, "
+    "kirchhoff; joints at most 0.9 rad/s"
+)
 tank_day.write_result(folder, day, found)

@@ -1,8 +1,11 @@
-"""How far ahead must line of sight look? Where the loop settles on the path over look-ahead distance and gain.
+"""How far ahead must line of sight look? Where the loop settles on the path over
+look-ahead distance and gain.
 
-The mean heading over the gait cycle is free of the gait's ripple, and half a period late: with the paper's 0.18 m and
-0.4 the robot swings about the path. From 0.36 m on it does not at that gain; two robot lengths, the rule of thumb, are
-enough and not needed. `python examples/20_how_far_ahead.py all` asks the other three swimmers of the paper too.
+The mean heading over the gait cycle is free of the gait's ripple, and half a period
+late: with the paper's 0.18 m and 0.4 the robot swings about the path. From 0.36 m
+on it does not at that gain; two robot lengths, the rule of thumb, are enough and
+not needed. `python examples/20_how_far_ahead.py all` asks the other three swimmers
+of the paper too.
 """
 
 import sys
@@ -14,16 +17,33 @@ import numpy as np
 import laticauda as lc
 from laticauda.trial import following
 
-distances, gains = (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24), (0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
-lateral = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40), "paper-lateral"
-eel = lc.eel_like(amplitude_deg=40, frequency_deg_s=90, phase_shift_deg=40), "paper-eel"
-swimmers = [(robot, *how) for how in (lateral, eel) for robot in ("mamba", "mamba-fin")]
+distances, gains = (
+    (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24),
+    (0.1, 0.2, 0.3, 0.4, 0.6, 0.8),
+)
+lateral = (
+    lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40),
+    "paper-lateral",
+)
+eel = (
+    lc.eel_like(amplitude_deg=40, frequency_deg_s=90, phase_shift_deg=40),
+    "paper-eel",
+)
+swimmers = [
+    (robot, *how) for how in (lateral, eel) for robot in ("mamba", "mamba-fin")
+]
 swimmers = swimmers if "all" in sys.argv else swimmers[:1]
-figure, panels = plt.subplots(1, len(swimmers), figsize=(3.5 * len(swimmers), 4), layout="constrained", squeeze=False)
+figure, panels = plt.subplots(
+    1,
+    len(swimmers),
+    figsize=(3.5 * len(swimmers), 4),
+    layout="constrained",
+    squeeze=False,
+)
 
 
 def errors(plant, gait, distance, gain, heading_estimate):
-    """Root mean square of the cycle-mean error over the last third of the run, and over the third before [m]."""
+    """Rms of the cycle-mean error over the last third, and the third before [m]."""
     controller = lc.PathFollowing(
         gait=gait,
         path=lc.StraightLine(),
@@ -32,23 +52,53 @@ def errors(plant, gait, distance, gain, heading_estimate):
         heading_estimate=heading_estimate,
         interval=0.2,
     )
-    trial = lc.run(plant, controller, 120.0, start=lc.Start(center_of_mass=(0.0, 0.5)), sample_interval=0.2)
+    trial = lc.run(
+        plant,
+        controller,
+        120.0,
+        start=lc.Start(center_of_mass=(0.0, 0.5)),
+        sample_interval=0.2,
+    )
     error = trial.time, trial.signals["cross_track_error"], trial.period
-    return following.steady_error(*error, 80.0), following.steady_error(*error, 40.0, 80.0)
+    return following.steady_error(*error, 80.0), following.steady_error(
+        *error, 40.0, 80.0
+    )
 
 
 for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
-    name, plant = f"{gait.words}, {robot}", lc.plant(lc.load_robot(robot), lc.load_water(water))
-    found = np.array([[errors(plant, gait, far, gain, "cycle_mean") for gain in gains] for far in distances])
+    name, plant = (
+        f"{gait.words}, {robot}",
+        lc.plant(lc.load_robot(robot), lc.load_water(water)),
+    )
+    found = np.array(
+        [
+            [errors(plant, gait, far, gain, "cycle_mean") for gain in gains]
+            for far in distances
+        ]
+    )
     rms, before = found[..., 0], found[..., 1]
-    swings = (rms >= 0.05) & (rms**2 > 0.5 * before**2)  # neither settled nor still coming
+    swings = (rms >= 0.05) & (
+        rms**2 > 0.5 * before**2
+    )  # neither settled nor still coming
     first = np.flatnonzero(swings[:, 3])[-1] + 1
     raw, _ = errors(plant, gait, 0.18, 0.4, "raw")
     print(
-        f"{name}: at gain 0.4 it settles from {distances[first]} m on; {swings.sum()} of {swings.size} loops swing on"
+        f"{name}: at gain 0.4 it settles from {distances[first]} m on; "
+        f"{swings.sum()} of {swings.size} loops swing on"
     )
-    print(f"  the paper's gains: {100 * rms[1, 3]:.1f} cm rms, with the raw heading {100 * raw:.1f} cm")
-    image = ax.imshow(100 * rms, origin="lower", aspect="auto", cmap="cividis", norm="log", vmin=0.1, vmax=40)
+    print(
+        f"  the paper's gains: {100 * rms[1, 3]:.1f} cm rms, with the raw heading "
+        f"{100 * raw:.1f} cm"
+    )
+    image = ax.imshow(
+        100 * rms,
+        origin="lower",
+        aspect="auto",
+        cmap="cividis",
+        norm="log",
+        vmin=0.1,
+        vmax=40,
+    )
     ax.set_xticks(range(len(gains)), gains)
     ax.set_yticks(range(len(distances)), distances)
     ax.set(title=name, xlabel="gain", ylabel="look-ahead distance [m]")

@@ -1,7 +1,9 @@
-"""Obstacle-aided locomotion: where friction knows no direction, the robot moves by what it pushes against.
+"""Obstacle-aided locomotion: where friction knows no direction, the robot moves by
+what it pushes against.
 
-On such ground a body wave goes nowhere; in a field of pegs it pushes itself along. The same holds under water whose
-drag is the same in all directions. Everything here needs the extra `spatial`.
+On such ground a body wave goes nowhere; in a field of pegs it pushes itself along.
+The same holds under water whose drag is the same in all directions. Everything here
+needs the extra `spatial`.
 
     python examples/21_peg_field.py
 """
@@ -9,16 +11,25 @@ drag is the same in all directions. Everything here needs the extra `spatial`.
 from dataclasses import replace
 from math import pi, radians
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.spatial.scene import HeightField
 
 robot = lc.load_robot("mamba-modules")
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(60), phase_shift=radians(40))
-bare = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.1)
+gait = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(60), phase_shift=radians(40)
+)
+bare = lc.Ground(
+    friction=lc.CoulombFriction(regularization_speed=1e-2),
+    tangential=0.1,
+    normal=0.1,
+)
 section = robot.modules[0].section
-share = 4.0 * section.half_height / (pi * (section.half_height + section.half_width))  # of C_D: C_f for c_t = c_n
+share = (
+    4.0 * section.half_height / (pi * (section.half_height + section.half_width))
+)  # of C_D: C_f for c_t = c_n
 plain = replace(
     lc.load_water("paper-lateral"),
     density=robot.mass / robot.volume,
@@ -27,17 +38,37 @@ plain = replace(
     added_mass=0.0,
     added_inertia=0.0,
 )
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
 for place, environment in (("on land", bare), ("under water", plain)):
     for scene in (None, "pegs"):
-        trial = lc.swim(robot, gait, 15.0, environment=environment, model="spatial", scene=scene)
+        trial = lc.swim(
+            robot, gait, 15.0, environment=environment, model="spatial", scene=scene
+        )
+        around = "pegs" if scene else "nothing"
+        ax.plot(trial.time, trial.center_of_mass[:, 0], label=f"{place}, {around}")
         way = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
-        print(f"{place}, {'open' if scene is None else 'pegs'}: {way:+.2f} m in 15 s")
+        print(
+            f"{place}, {'open' if scene is None else 'pegs'}: {way:+.2f} m in 15 s"
+        )
     force = np.linalg.norm(trial.link_force["contact"], axis=2)
-    print(f"   {force.sum(axis=1).mean():.0f} N of contact on average, up to {force.max():.0f} N on one link")
-    trial.save(f"pegs-{place.replace(' ', '-')}.nc")  # laticauda view pegs-on-land.nc --video pegs.mp4
+    print(
+        f"   {force.sum(axis=1).mean():.0f} N of contact on average, up to "
+        f"{force.max():.0f} N on one link"
+    )
+    trial.save(
+        f"pegs-{place.replace(' ', '-')}.nc"
+    )  # laticauda view pegs-on-land.nc --video pegs.mp4
+ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.legend()
+figure.savefig("pegs.png", dpi=150)
 
 skin = replace(bare, normal=0.5)
 for scene in (None, HeightField(amplitude=0.03), HeightField(amplitude=0.06)):
-    trial = lc.swim(robot, gait, 10.0, environment=skin, model="spatial", scene=scene)
+    trial = lc.swim(
+        robot, gait, 10.0, environment=skin, model="spatial", scene=scene
+    )
     way = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
-    print(f"waves of {0.0 if scene is None else scene.amplitude:.2f} m in the ground: {way:+.2f} m in 10 s")
+    print(
+        f"waves of {0.0 if scene is None else scene.amplitude:.2f} m in the "
+        f"ground: {way:+.2f} m in 10 s"
+    )

@@ -12,6 +12,7 @@ Every page is followed from top to bottom, as a reader would, in an empty folder
 A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example are run elsewhere.
 """
 
+import json
 import math
 import os
 import re
@@ -23,6 +24,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import matplotlib.pyplot as plt
 import pytest
 from markdown import Markdown
 from rendering import skip_without_rendering
@@ -30,7 +32,14 @@ from rendering import skip_without_rendering
 from laticauda.cli import main
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+MADE = {"gallery": "examples/*.py", "notebooks": "docs/notebooks/*.ipynb"}
+"""Folders of pages that are made when the docs are built, and what of."""
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name not in MADE),
+]
 FENCE = re.compile(
     r"(?P<skip><!-- not run: [^\n]+ -->\n+)?^```(?P<language>\w+)(?P<options>[^\n]*)\n(?P<code>.*?)^```$",
     re.MULTILINE | re.DOTALL,
@@ -142,10 +151,28 @@ def test_the_code_of_the_page_runs_from_top_to_bottom(
     follow(page, lambda: capsys.readouterr().out)
 
 
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda notebook: notebook.stem)
+def test_the_notebook_runs_and_keeps_no_results(notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    namespace: dict[str, object] = {"__name__": "__main__"}
+    for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
+        if cell["cell_type"] == "code":
+            assert not cell["outputs"]
+            exec("".join(line for line in cell["source"] if not line.startswith("%")), namespace)
+    plt.close("all")
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_link_of_the_page_leads_to_a_file(page: Path):
     links = LINK.findall(page.read_text(encoding="utf-8"))
-    assert not [link for link in links if not (page.parent / link).exists()]
+    made = {
+        ROOT / "docs" / folder / f"{name}.md"
+        for folder, sources in MADE.items()
+        for name in ("index", *(source.stem for source in ROOT.glob(sources)))
+    }
+    assert not [
+        link for link in links if not (page.parent / link).exists() and (page.parent / link).resolve() not in made
+    ]
 
 
 def test_every_page_of_the_docs_can_be_reached():

@@ -1,7 +1,8 @@
-"""One trial of Table 2 in the virtual tank, operated like the robot: tank and operator are two processes.
+"""One trial of Table 2 in the virtual tank, operated like the robot: tank and
+operator are two processes.
 
-They share nothing but a CAN bus, a network port and a serial line. Then the same trial is simulated without any of
-that, and the two velocities are put side by side.
+They share nothing but a CAN bus, a network port and a serial line. Then the same
+trial is simulated without any of that, and the two velocities are put side by side.
 
     python examples/lab/run.py [--speed 2] [--duration 90]
 """
@@ -23,7 +24,7 @@ BUS = "udp_multicast:239.74.163.2:43117"
 
 
 def simulated(operation, start) -> lc.Trial:
-    """The same controller on the same model, with servo joints and nothing in between."""
+    """The same controller and model, with servo joints and nothing in between."""
     plant = lc.plant(
         operation.body(),
         operation.pool(),
@@ -42,40 +43,101 @@ def main() -> int:
     operation = load_operation(HERE / "trial.toml")
     text = (HERE / "trial.toml").read_text(encoding="utf-8")
     if options.duration:
-        text = text.replace(f"duration = {operation.duration}", f"duration = {options.duration}")
+        text = text.replace(
+            f"duration = {operation.duration}", f"duration = {options.duration}"
+        )
         operation = replace(operation, duration=options.duration)
     x, y = operation.start.position
-    command = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
-    words = ["lab", "--json", "--robot", operation.robot, "--water", operation.water, "--position", str(x), str(y)]
-    words += ["--heading-deg", "-1.86", "--bus", BUS, "--port", "0", "--speed", options.speed]
+    command = [
+        sys.executable,
+        "-c",
+        "from laticauda.cli import main; raise SystemExit(main())",
+    ]
+    words = [
+        "lab",
+        "--json",
+        "--robot",
+        operation.robot,
+        "--water",
+        operation.water,
+        "--position",
+        str(x),
+        str(y),
+    ]
+    words += [
+        "--heading-deg",
+        "-1.86",
+        "--bus",
+        BUS,
+        "--port",
+        "0",
+        "--speed",
+        options.speed,
+    ]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "trial.toml")
         file.write_text(text, encoding="utf-8")
-        tank = subprocess.Popen([*command, *words], stdout=subprocess.PIPE, stdin=subprocess.PIPE, text=True)
+        tank = subprocess.Popen(
+            [*command, *words],
+            stdout=subprocess.PIPE,
+            stdin=subprocess.PIPE,
+            text=True,
+        )
         try:
             at = json.loads(tank.stdout.readline())
             print(f"the tank: {at}", flush=True)
-            qtm = at["qtm"] if isinstance(at["qtm"], str) else ":".join(map(str, at["qtm"]))
-            words = ["operate", str(file), "--json", "--output", folder, "--bus", BUS, "--mocap", qtm]
+            qtm = (
+                at["qtm"]
+                if isinstance(at["qtm"], str)
+                else ":".join(map(str, at["qtm"]))
+            )
+            words = [
+                "operate",
+                str(file),
+                "--json",
+                "--output",
+                folder,
+                "--bus",
+                BUS,
+                "--mocap",
+                qtm,
+            ]
             words += ["--meter", at["meter"], "--speed", options.speed]
-            done = subprocess.run([*command, *words], stdout=subprocess.PIPE, text=True)
+            done = subprocess.run(
+                [*command, *words], stdout=subprocess.PIPE, text=True
+            )
         finally:
             tank.terminate()
             tank.wait(10)
         if not done.stdout:
             return done.returncode
         found = json.loads(done.stdout)
-        trial = lc.load_trial(Path(folder, f"{operation.name}.nc")) if found["accepted"] else None
+        trial = (
+            lc.load_trial(Path(folder, f"{operation.name}.nc"))
+            if found["accepted"]
+            else None
+        )
     print(json.dumps(found, indent=1))
     if trial is None:
         return 1
-    pure = simulated(operation, lc.Start(center_of_mass=(x, y), heading=operation.start.heading))
+    pure = simulated(
+        operation, lc.Start(center_of_mass=(x, y), heading=operation.start.heading)
+    )
     ratio = trial.forward_velocity / pure.forward_velocity
     for name, one in (("operated", trial), ("simulated", pure)):
         error = one.signals["cross_track_error"]
-        reached = following.convergence(one.time, error, one.signals["along_track_distance"], one.period)
-        when = "does not converge" if reached is None else f"within 0.1 m of the path after {reached.time:.0f} s"
-        print(f"{name:<10} {one.forward_velocity:.4f} m/s, {when}, p_y at the end {error[-1]:+.3f} m")
+        reached = following.convergence(
+            one.time, error, one.signals["along_track_distance"], one.period
+        )
+        when = (
+            "does not converge"
+            if reached is None
+            else f"within 0.1 m of the path after {reached.time:.0f} s"
+        )
+        print(
+            f"{name:<10} {one.forward_velocity:.4f} m/s, {when}, p_y at the end "
+            f"{error[-1]:+.3f} m"
+        )
     print(f"the velocities differ by {100 * (ratio - 1):+.1f} %")
     return 0 if abs(ratio - 1) < 0.05 else 1
 
