@@ -17,9 +17,8 @@ import laticauda as lc
 from laticauda.spatial.scene import Shore
 
 robot = lc.load_robot("mamba-modules")
-water = replace(
-    lc.load_water("paper-lateral"), density=robot.mass / robot.volume
-)  # it neither rises nor sinks
+# it neither rises nor sinks
+water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
 yaw = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
 )
@@ -39,9 +38,10 @@ for name, gait in (("lateral", yaw), ("vertical", vertical), ("helix", helix)):
 controller = lc.SpatialPathFollowing(
     gait=yaw,
     path=lc.StraightLine(),
+    # distance along it, height
     profile=lc.Spline(
         waypoints=((0.0, -0.5), (2.0, -0.5), (5.0, -1.0), (12.0, -1.5))
-    ),  # distance along it, height
+    ),
     guidance=lc.LineOfSight(look_ahead_distance=0.5),
     climb_guidance=lc.LineOfSight(look_ahead_distance=1.0),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(15)),

@@ -36,9 +36,10 @@ for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
         "heading": 0.01,
     }  # standard deviations [m], [rad]
     seen = from_trial(tracked, name=f"trial {k}", series=noise, every=5)
+    # it began about where it was seen
     measured.append(
         replace(seen, scenario=replace(seen.scenario, environment=guess))
-    )  # it began about where it was seen
+    )
 
 names = [
     "water.tangential_friction",

@@ -22,9 +22,8 @@ gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
 )
 robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
-model = averaged_model(
-    lc.plant(robot, water), gait, (radians(60), radians(120))
-)  # from four trials of its own
+# from four trials of its own
+model = averaged_model(lc.plant(robot, water), gait, (radians(60), radians(120)))
 
 limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}
 plans = ModelPredictive(

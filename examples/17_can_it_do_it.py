@@ -47,7 +47,7 @@ for name in robot_names():
 ax.axhline(1.0, color="black", linewidth=1)
 ax.set_xticks(range(len(GAITS)), [f"{k}, {a} {w} {d}" for k, a, w, d in GAITS])
 ax.set_ylabel("share used; above 1: it cannot")
-ax.legend(fontsize=7)
+ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 figure.savefig("can-it.png", dpi=150)
 
 for name in parameter_names():
@@ -63,9 +63,8 @@ for name in parameter_names():
         trial = lc.swim(
             robot, row.gait, environment=water, joints=model.joints or "prescribed"
         )
-        found = feasibility(
-            published, trial, trial.period
-        )  # the same motion and torques, the published servo
+        # the same motion and torques, the published servo
+        found = feasibility(published, trial, trial.period)
         n_beyond += bool(found.problems)
         most = max(most, found.figures["peak_joint_torque"])
         setting = [

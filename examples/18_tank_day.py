@@ -13,6 +13,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
@@ -53,16 +54,14 @@ swim = lc.swim(
     robot, asked, 12.0, environment=truth, joints=SpeedServo(speed_limit=0.9)
 )
 log("swim", swim)
-log(
-    "glide",
-    lc.swim(
-        robot,
-        still,
-        8.0,
-        environment=truth,
-        start=lc.Start(velocity=swim.forward_velocity),
-    ),
+glide = lc.swim(
+    robot,
+    still,
+    8.0,
+    environment=truth,
+    start=lc.Start(velocity=swim.forward_velocity),
 )
+log("glide", glide)
 with (folder / "tows.csv").open() as file:
     head, *rows = csv.reader(file)
 for row in rows:
@@ -80,3 +79,10 @@ print(
     "kirchhoff; joints at most 0.9 rad/s"
 )
 tank_day.write_result(folder, day, found)
+
+figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+for name, trial in (("swim", swim), ("glide", glide)):
+    ax.plot(trial.time, trial.center_of_mass[:, 0], label=name)
+ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.legend()
+figure.savefig("day.png", dpi=150)

@@ -77,9 +77,8 @@ for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
         ]
     )
     rms, before = found[..., 0], found[..., 1]
-    swings = (rms >= 0.05) & (
-        rms**2 > 0.5 * before**2
-    )  # neither settled nor still coming
+    # neither settled nor still coming
+    swings = (rms >= 0.05) & (rms**2 > 0.5 * before**2)
     first = np.flatnonzero(swings[:, 3])[-1] + 1
     raw, _ = errors(plant, gait, 0.18, 0.4, "raw")
     print(

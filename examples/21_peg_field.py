@@ -27,9 +27,10 @@ bare = lc.Ground(
     normal=0.1,
 )
 section = robot.modules[0].section
+# of C_D: C_f for c_t = c_n
 share = (
     4.0 * section.half_height / (pi * (section.half_height + section.half_width))
-)  # of C_D: C_f for c_t = c_n
+)
 plain = replace(
     lc.load_water("paper-lateral"),
     density=robot.mass / robot.volume,
@@ -55,9 +56,8 @@ for place, environment in (("on land", bare), ("under water", plain)):
         f"   {force.sum(axis=1).mean():.0f} N of contact on average, up to "
         f"{force.max():.0f} N on one link"
     )
-    trial.save(
-        f"pegs-{place.replace(' ', '-')}.nc"
-    )  # laticauda view pegs-on-land.nc --video pegs.mp4
+    # laticauda view pegs-on-land.nc --video pegs.mp4
+    trial.save(f"pegs-{place.replace(' ', '-')}.nc")
 ax.set(xlabel="time [s]", ylabel="way [m]")
 ax.legend()
 figure.savefig("pegs.png", dpi=150)
