@@ -9,7 +9,6 @@ the log of the run.
 from math import radians
 
 import laticauda as lc
-from laticauda.figures import save_figure, swim_sheet
 
 robot = lc.load_robot("mamba")
 gait = lc.lateral_undulation(
@@ -23,4 +22,4 @@ print(
 )
 print(f"mechanical power:         {trial.mean_power:.1f} W")
 print(f"end of the run:           {trial.center_of_mass[-1].round(2)} m")
-save_figure(swim_sheet(trial), "swim.png")
+trial.plot().savefig("swim.png")

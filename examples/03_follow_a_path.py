@@ -10,7 +10,6 @@ signals.
 from math import degrees, radians
 
 import laticauda as lc
-from laticauda.figures import follow_sheet, save_figure
 from laticauda.trial import following
 
 controller = lc.PathFollowing(
@@ -38,4 +37,4 @@ print(
     f"{following.steady_error(trial.time, error, trial.period, reached.time):.3f} m"
 )
 print(f"largest offset: {degrees(abs(trial.signals['offset']).max()):.1f} deg")
-save_figure(follow_sheet(trial), "follow.png")
+trial.plot().savefig("follow.png")
