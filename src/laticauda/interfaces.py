@@ -144,7 +144,7 @@ class Start:
     center_of_mass: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0), ge=-FAR, le=FAR)
     heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
     velocity: float = quantity("m/s", "Forward, along the body", default=0.0, ge=-100.0, le=100.0)
-    depth: float | None = quantity("m", "Of its axis at the center of mass, free root; None: its place's", default=None)
+    depth: float | None = quantity("m", "Axis depth at the center of mass, free root; None: its place's", default=None)
     pitch: float = quantity("rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi)
     roll: float = quantity("rad", "About its axis; positive lifts its left side", default=0.0, ge=-math.pi, le=math.pi)
 

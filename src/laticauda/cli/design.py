@@ -56,12 +56,12 @@ class Candidates:
         "rad", "delta of candidates", ge=-math.pi, le=math.pi, default=_degrees(30, 50)
     )
     sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
-    tow: tuple[float, ...] = quantity("m/s", "Of tows of the straight robot, for its loads", gt=0.0, default=(0.1, 0.4))
-    tow_angles: tuple[float, ...] = quantity("rad", "Of the robot to its way; 0: along", default=_degrees(0, 15))
+    tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot", gt=0.0, default=(0.1, 0.4))
+    tow_angles: tuple[float, ...] = quantity("rad", "Angles of the robot to its way; 0: along", default=_degrees(0, 15))
     coast_down: tuple[float, ...] = quantity("m/s", "At which it is let go", gt=0.0, le=100.0, default=(0.4,))
     no_tow: bool = option("Neither tow nor coast-down", default=False)
     no_swims: bool = option("Nothing that swims", default=False)
-    duration: float = quantity("s", "Of a swim", gt=0.0, le=1e5, default=30.0)
+    duration: float = quantity("s", "Duration of a swim", gt=0.0, le=1e5, default=30.0)
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
     def __post_init__(self) -> None:

@@ -109,8 +109,8 @@ class Fmu(Compiled):
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
     platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=())
     author: str | None = option("Who made the model, as the FMU says it", default=None)
-    model_version: str | None = option("Of the model; laticauda's if left out", default=None)
-    license: str = option("Of the model", default="MIT")
+    model_version: str | None = option("Version of the model; laticauda's if left out", default=None)
+    license: str = option("License of the model", default="MIT")
 
     def run(self) -> command.Outcome:
         """Write the file."""

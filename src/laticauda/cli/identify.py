@@ -60,7 +60,7 @@ class Method:
 
     noise: Literal["known", "estimated"] = option("Known as stated, or times an estimated factor", default="estimated")
     starts: int = quantity("", "How many starts the search has", ge=1, default=4)
-    seed: int = quantity("", "Of the further starts", ge=0, default=0)
+    seed: int = quantity("", "Seed of the random starts", ge=0, default=0)
     profiles: bool = option("Intervals from the likelihood itself too", default=False)
     exact: bool = option("Leave out every measurement by a refit, not by the linearized model", default=False)
     quick: bool = option("Leave out no groups", default=False)
@@ -83,7 +83,7 @@ class Identify(Command):
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How", default=Method())
     laws: Words = option("Parameter files as for --base, each fitted, beside null models", default=())
-    name: str | None = option("Of the parameter file; the task file's, or identified, if left out", default=None)
+    name: str | None = option("Name of the parameter file; the task file's, or identified, if left out", default=None)
     output: Folder = option("Folder; made if need be, files of the same names are replaced", default="identification")
     words: Any = option("What was typed, for the report", default=())
 

@@ -45,7 +45,7 @@ class Wires:
 
     bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] of processes, or socketcan[:NAME]", default="udp_multicast")
     host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
-    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=22223)
+    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=22223)
     hops: int = quantity("", "Routers that frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0)
 
 
@@ -55,7 +55,7 @@ class Time:
 
     speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
     duration: float | None = quantity("s", "How long, by the lab's clock; until Ctrl-C if left out", default=None)
-    seed: int = quantity("", "Of all that is random", ge=0, default=0)
+    seed: int = quantity("", "Seed of all that is random", ge=0, default=0)
     faults: File = option("A schedule of what goes wrong (.toml)", default=None)
 
 
@@ -150,7 +150,7 @@ class Serve(Command):
     """
 
     host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
-    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
+    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=5055)
     max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
     robots: Files = option("TOML files of robots that clients may name, without .toml, like presets", default=())
 
@@ -211,7 +211,7 @@ class CockpitCommand(OfScenario):
     operated: str | None = option("Show the robot of this recording, or folder, while it is operated", default=None)
     load: str | None = option("Play back this trial or recording of an operation beside it", default=None)
     host: str = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
-    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
+    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=8080)
 
     def run(self) -> None:
         """Serve until Ctrl-C."""

@@ -48,7 +48,7 @@ class SweepCommand(Study):
         default=(),
     )
     samples: int | None = quantity("", "So many points that fill the ranges NAME=LOW:HIGH evenly", ge=1, default=None)
-    seed: int | None = quantity("", "Of the samples; another one gives other points", ge=0, default=None)
+    seed: int | None = quantity("", "Seed of the samples; another one gives other points", ge=0, default=None)
     list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
     scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
     output: Folder = option("The folder of results; the same command goes on there after a stop", default="sweep")
@@ -129,7 +129,7 @@ class Optimize(Study):
     )
     budget: int = quantity("", "How many points to try; a greater goes on where a smaller ended", ge=1, default=4000)
     population: int | None = quantity("", "In a generation; left out 100, for one objective 40", ge=1, default=None)
-    seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
+    seed: int = quantity("", "Seed of everything random; another one takes another way", ge=0, default=0)
     limits: Limits = option("What gaits have to keep to", default=Limits())
     output: Folder = option("The folder of results; what was stopped goes on there, if run again", default="optimum")
 

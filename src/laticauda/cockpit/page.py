@@ -23,7 +23,7 @@ class Cockpit:
     Args:
         live: The simulation.
         host: Address that it listens on; for any but this computer alone, the page's address holds a token.
-        port: Likewise; 0: any that is free.
+        port: Its port; 0: any free one.
 
     Raises:
         MissingExtra: If viser is not installed.

@@ -56,7 +56,7 @@ def serve(door: Door, port: int) -> Any:
 
     Args:
         door: Whom it answers, and where.
-        port: Likewise; 0: any that is free.
+        port: Its port; 0: any free one.
 
     Raises:
         MissingExtra: If viser is not installed.

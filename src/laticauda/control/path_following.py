@@ -70,7 +70,7 @@ class PathFollowing(Controller[PathFollowingState]):
         default="raw",
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
-    observer: CurrentObserver | None = option("Of the current: the robot then points upstream; None: no", default=None)
+    observer: CurrentObserver | None = option("Of the current, against which it then points; None: no", default=None)
     max_crab_angle: float = quantity("rad", "Farthest upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi)
 
     def __post_init__(self) -> None:

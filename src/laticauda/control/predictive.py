@@ -169,8 +169,8 @@ class PlanLimits:
     frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
     power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
     max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
-    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", default=1.62, gt=0.0)
-    gain: float = quantity("", "Of its heading law", default=0.25, gt=0.0)
+    look_ahead_distance: float = quantity("m", "Look-ahead of the line of sight that takes over", default=1.62, gt=0.0)
+    gain: float = quantity("", "Gain of its heading law", default=0.25, gt=0.0)
     interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
 
 

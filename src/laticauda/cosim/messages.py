@@ -78,12 +78,12 @@ class _Held:
     """What a message says of place, command and current, the gait aside."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Where it starts", default=(0.0, 0.0))
-    offset: float = quantity("rad", "Of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0)
-    pitch_offset: float = quantity("rad", "Of all pitch joints", ge=-1e3, le=1e3, default=0.0)
+    offset: float = quantity("rad", "Offset of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0)
+    pitch_offset: float = quantity("rad", "Offset of all pitch joints", ge=-1e3, le=1e3, default=0.0)
     references: tuple[float, ...] | None = quantity("rad", "Where joints go, not where the gait says", default=None)
     enabled: tuple[bool, ...] | None = option("Whether each joint's motor is on", default=None)
-    thrusts: tuple[float, ...] | None = quantity("N", "Of every driven thruster", default=None)
-    deflections: tuple[float, ...] | None = quantity("rad", "Of every driven pectoral fin", default=None)
+    thrusts: tuple[float, ...] | None = quantity("N", "Thrust of every driven thruster", default=None)
+    deflections: tuple[float, ...] | None = quantity("rad", "Deflection of every driven pectoral fin", default=None)
     current: Current = quantity("m/s", "Which the water moves to, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
 
 

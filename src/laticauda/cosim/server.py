@@ -30,7 +30,7 @@ class Server:
 
     Args:
         host: Where it listens; the default is this computer alone. Beyond it, the first request must hold a token.
-        port: 0: any that is free.
+        port: Its port; 0: any free one.
         max_clients: Others are told to come later.
         own_robots: Robots by name that clients may ask for besides the presets.
 

@@ -31,7 +31,7 @@ class JointAngles:
     """
 
     time: tuple[float, ...] = quantity("s", "When: since the start of the run, increasing")
-    angle: tuple[tuple[float, ...], ...] = quantity("rad", "Of every yaw joint, tail first, at these times")
+    angle: tuple[tuple[float, ...], ...] = quantity("rad", "Angle of every yaw joint, tail first, at these times")
 
     def __post_init__(self) -> None:
         """Check what goes together."""

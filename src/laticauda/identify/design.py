@@ -179,7 +179,7 @@ def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable
         added: Information of each candidate.
         known: What is known before.
         n_trials: How many to take.
-        score: What is to be great.
+        score: What is maximized.
     """
     chosen: list[int] = []
     for _ in range(n_trials):
@@ -239,7 +239,7 @@ def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
 
 
 def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
-    """What is to be great."""
+    """What is maximized."""
 
     def volume(information: Matrix) -> float:
         return 0.5 * float(np.linalg.slogdet(information + _FAINT * np.eye(len(information)))[1])

@@ -71,7 +71,7 @@ def fit(
             estimated from the residuals.
         loss: linear, or soft_l1, huber, cauchy, arctan: outliers count less.
         n_starts: How many starts; the first is at the values that robot and water have.
-        seed: Of the further starts.
+        seed: Seed of the random starts.
         confidence: Of the intervals [-].
         limit: From which standard deviation on, as a share of itself, an unknown counts as not identified [-].
         threads: How many to compute with; None takes all cores that this process may use.

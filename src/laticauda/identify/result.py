@@ -33,8 +33,8 @@ class Method:
     noise: str = option("known, or estimated: that times a factor of all", default="known", check=NOISE)
     loss: str = option("How residuals count: all but linear let outliers count less", default="linear", check=LOSS)
     n_starts: int = quantity("", "How many starts", default=4, ge=1)
-    seed: int = quantity("", "Of the further starts", default=0, ge=0)
-    confidence: float = quantity("", "Of the intervals", default=0.95, ge=0.5, le=0.9999)
+    seed: int = quantity("", "Seed of the random starts", default=0, ge=0)
+    confidence: float = quantity("", "Confidence of the intervals", default=0.95, ge=0.5, le=0.9999)
     limit: float = quantity("", "Relative deviation from which on an unknown is not identified", default=LIMIT, gt=0.0)
 
     def quantile(self, degrees: float) -> float:

@@ -54,12 +54,12 @@ _SMOOTHED = 0.2  # of a cycle: over it, joint angles are cubics, which keeps the
 class Noise:
     """Standard deviations of the noise on the day."""
 
-    path_m: float = quantity("m", "Of the center of mass, as the cameras see it", gt=0.0, default=0.005)
-    heading_rad: float = quantity("rad", "Of the heading", gt=0.0, default=0.01)
-    joint_angle_rad: float = quantity("rad", "Of joint angles", gt=0.0, default=0.01)
-    force_n: float = quantity("N", "Of a force in a tow", gt=0.0, default=0.05)
-    force_share: float = quantity("", "The same as a share of it", ge=0.0, default=0.02)
-    angle_deg: float = quantity("deg", "Of the angle of a tow", ge=0.0, default=0.5)
+    path_m: float = quantity("m", "Noise of the center of mass, as the cameras see it", gt=0.0, default=0.005)
+    heading_rad: float = quantity("rad", "Noise of the heading", gt=0.0, default=0.01)
+    joint_angle_rad: float = quantity("rad", "Noise of joint angles", gt=0.0, default=0.01)
+    force_n: float = quantity("N", "Noise of a force in a tow", gt=0.0, default=0.05)
+    force_share: float = quantity("", "Noise of a force as a share of it", ge=0.0, default=0.02)
+    angle_deg: float = quantity("deg", "Noise of the angle of a tow", ge=0.0, default=0.5)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

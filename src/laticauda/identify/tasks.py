@@ -75,7 +75,7 @@ class TrialFile:
     name: str = option("What tables call it; empty: as the file", default="")
     group: str = option("Which measurements it belongs with, see `Measurement`", default="")
     figures: Mapping[str, float] = option("That count, with their noise", **_NOISES)
-    series: Mapping[str, float] = option("Likewise; if none: `PATH`", **_NOISES)
+    series: Mapping[str, float] = option("Series that count; if none: `PATH`", **_NOISES)
     interval: float = quantity("s", "Between samples that count; closer ones' noise is hardly new", default=0.5, gt=0.0)
     free_start: bool = option("Identify place and heading at the begin too, if either counts", default=True)
 
@@ -136,7 +136,7 @@ class TableFile:
 class _TaskFile:
     """What a task's file says besides the method."""
 
-    name: str = option("Of the parameter file that it makes", check=label)
+    name: str = option("Name of the parameter file that it makes", check=label)
     title: str = option("What a legend says", check=label)
     robot: str | None = option("What has to have swum, a preset or a file; None: the trials say it", default=None)
     links: int | None = quantity("", "Links that every robot has instead of its own", ge=1, default=None)
@@ -153,7 +153,7 @@ class Task:
     """What is to be identified, from what, and how."""
 
     name: str
-    """Of the parameter file that it makes."""
+    """Name of the parameter file that it makes."""
     title: str
     """What a legend says."""
     measurements: tuple[Measurement, ...]
@@ -266,7 +266,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
 
     Args:
         table: As a TOML reader gives it.
-        name: Of the parameter file, if the table says none.
+        name: Name of the parameter file, if the table says none.
         folder: Where the files lie that it names.
 
     Raises:

@@ -43,7 +43,7 @@ class QtmServer:
     Args:
         rate: Frames per second that the cameras make [Hz].
         host: Where it listens; the default is this computer alone.
-        port: 0: any that is free.
+        port: Its port; 0: any free one.
     """
 
     def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:

@@ -78,7 +78,7 @@ class Lab:
         tank: What is in it.
         bus: The CAN bus on which its nodes are, or what stands for one, like python-can's.
         host: Where the cameras' server listens; the default is this computer alone.
-        port: Likewise; 0: any that is free.
+        port: Its port; 0: any free one.
         speed: Seconds of the lab for one second of ours.
     """
 

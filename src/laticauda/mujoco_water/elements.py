@@ -58,7 +58,7 @@ class Element:
         ge=0.0,
     )
     contact: Contact | None = option("How it touches the ground of `water.attach`; None: not at all", default=None)
-    volume: float = quantity("m^3", "Of the water that it displaces when covered", default=0.0, ge=0.0)
+    volume: float = quantity("m^3", "Volume of the water that it displaces when covered", default=0.0, ge=0.0)
     shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")
     half_size: Three = quantity("m", "Half the length, width and height of the shape", default=(0.1, 0.1, 0.1), gt=0.0)
     law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))

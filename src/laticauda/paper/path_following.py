@@ -26,7 +26,7 @@ class FollowingRun:
     """How one run was made, and its figures."""
 
     joints: str = option("How the joints follow the gait")
-    offset_bandwidth: float = quantity("rad/s", "Of the reference generator")
+    offset_bandwidth: float = quantity("rad/s", "Bandwidth of the reference generator")
     loop_delay: float = quantity("s", "From heading to joint")
     heading_estimate: str = option("raw or cycle_mean")
     dt: float = quantity("s", "Largest time step")

@@ -27,7 +27,7 @@ LEAST_DURATION = 15.0  # a steady part takes 10 s and a gait cycle, 4 s in Table
 class SweepSettings:
     """A range of one parameter of the gait, the other two held."""
 
-    parameter: str = option("Of the gait", check=one_among(*PARAMETERS))
+    parameter: str = option("Parameter of the gait", check=one_among(*PARAMETERS))
     low: float = quantity("rad", "Where it begins")
     high: float = quantity("rad", "Where it ends; within the sweep if the steps lead there")
     step: float = quantity("rad", "Between two values", gt=0.0)
@@ -98,7 +98,7 @@ class Group:
 class EfficiencySettings:
     """What the efficiency study runs: every sweep and every case, for every group and set of coefficients."""
 
-    duration: float = quantity("s", "Of every trial", gt=0.0)
+    duration: float = quantity("s", "Duration of every trial", gt=0.0)
     models: tuple[Coefficients, ...] = option("The curves of every figure; the first one is the paper's own")
     sweeps: tuple[SweepSettings, ...] = option("One per panel of the figures")
     groups: tuple[Group, ...] = option("The parts of Table 1")

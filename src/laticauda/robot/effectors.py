@@ -101,7 +101,7 @@ class CaudalFin:
     tangential_friction: float | None = quantity("", "C_f,fin, both faces; None for the water's", ge=0.0, default=None)
     normal_drag: float | None = quantity("", "C_D,fin, or None for the water's", ge=0.0, default=None)
     added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)
-    density: float = quantity("kg/m^3", "Of the material; the default floats in fresh water", gt=0.0, default=1000.0)
+    density: float = quantity("kg/m^3", "Density; the default floats in fresh water", gt=0.0, default=1000.0)
     n_hinges: int = quantity("", "Passive hinges that stand for its bending; 0: rigid", ge=0, le=MOST_HINGES, default=0)
     flexural_rigidity: float | None = quantity("N m^2", "E I, needed with hinges (E h t^3 / 12)", gt=0.0, default=None)
     bending_damping: float = quantity("N m^2 s", "eta I of the plate, eta its viscosity", ge=0.0, default=0.0)
@@ -163,7 +163,7 @@ class Mounted:
     y: float = quantity("m", "Mount across the link from its axis, to the left positive", default=0.0)
     z: float = quantity("m", "Mount above the link's axis", default=0.0)
     angle: float = quantity("rad", "beta, of its x axis from the link's, counter-clockwise", default=0.0)
-    elevation: float = quantity("rad", "Of its x axis above the link's plane; in space only", default=0.0)
+    elevation: float = quantity("rad", "Rise of its x axis above the link's plane; in space only", default=0.0)
     roll: float = quantity("rad", "About its x axis, positive lifts its left side; in space only", default=0.0)
 
     @property
@@ -196,7 +196,7 @@ class PectoralFin(Mounted):
     stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=np.pi / 2.0)
     stall_sharpness: float = quantity("", "How sudden the stall is", gt=0.0, default=50.0)
     parasitic_drag: float = quantity("", "Drag coefficient without lift", ge=0.0, default=0.0)
-    deflection: float = quantity("rad", "Of the chord about its z axis, where no command says it", default=0.0)
+    deflection: float = quantity("rad", "Turn of the chord about its z axis, where no command says it", default=0.0)
     max_deflection: float | None = quantity("rad", "Most, to either side, that a command gets", ge=0.0, default=None)
 
 

@@ -46,7 +46,7 @@ class Water:
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
     current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
-    depth: float | None = quantity("m", "Of its axis; None: far below, flows as at the surface", gt=0.0, default=None)
+    depth: float | None = quantity("m", "Axis depth; None: far below, flows as at the surface", gt=0.0, default=None)
 
     def __post_init__(self) -> None:
         current = self.current if not isinstance(self.current, Flow) else self.current.constant or self.current

@@ -36,7 +36,7 @@ class Robot:
     thrusters: tuple[effectors.Thruster, ...] = option("Thrusters, in any order", default=())
     pectoral_fins: tuple[effectors.PectoralFin, ...] = option("Pectoral fins, in any order", default=())
     tether: effectors.Tether = option("The cable at the tail end", default_factory=effectors.Tether)
-    surface: Surface = option("Of the body: smooth, with gaps at its joints, or in a loose skin", default="jointed")
+    surface: Surface = option("Skin: smooth, with gaps at its joints, or in a loose skin", default="jointed")
     nose: End = option("Shape of the body's head end", default="round")
     tail: End = option("Shape of the body's tail end", default="round")
     electronics_power: float = quantity("W", "Drawn at rest besides its actuators' idle current", ge=0.0, default=0.0)

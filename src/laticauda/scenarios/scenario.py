@@ -24,9 +24,9 @@ class _Model:
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("1/s", "Of the gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER)
+    offset_bandwidth: float = quantity("1/s", "Gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER)
     loop_delay: float = quantity("s", "From what a controller sees to its command at the joints", default=0.0, ge=0.0)
-    ramp: float | None = quantity("s", "Of the smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
+    ramp: float | None = quantity("s", "Smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
         """Refuse references that jump for joints that cannot."""
@@ -56,7 +56,7 @@ class Spatial(_Model):
         ValueError: If a field is out of its range.
     """
 
-    root: Literal["free", "planar"] | None = option("Of the tail module; None: planar if all joints yaw", default=None)
+    root: Literal["free", "planar"] | None = option("Tail module's joint; None: planar if all joints yaw", default=None)
     gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
     ballast_depth: float = quantity(
         "m",
@@ -118,7 +118,7 @@ class Scenario:
     environment: Environment = option("The water it swims in or the ground it crawls on")
     model: Model = option("By which model", default=Planar())
     start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
-    duration: float = quantity("s", "Of the run", default=30.0, gt=0.0, le=1e6)
+    duration: float = quantity("s", "Duration of the run", default=30.0, gt=0.0, le=1e6)
     sample_interval: float = quantity(
         "s",
         "Between two samples of the log; adjusted so that it divides the control interval and the duration",

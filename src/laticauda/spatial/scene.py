@@ -44,7 +44,7 @@ class Pegs(Scene):
     spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.5)
     gap: float = quantity("m", "From row to row", gt=0.0, default=0.35)
     stagger: float = quantity("m", "By how much every other row is shifted", default=0.0)
-    radius: float = quantity("m", "Of a peg", gt=0.0, default=0.04)
+    radius: float = quantity("m", "Radius of a peg", gt=0.0, default=0.04)
     rows: int = quantity("", "How many there are, to both sides", ge=1, default=4)
     field: tuple[float, float] = quantity("m", "From where to where along x they stand", default=(-2.0, 6.0))
     slip: float = quantity("", "Friction of the pegs, as MuJoCo has it", ge=0.0, default=0.05)
@@ -64,9 +64,9 @@ class Pegs(Scene):
 class Slope(Scene):
     """Flat ground, and from an edge on a slope along x, up or down."""
 
-    height: float = quantity("m", "Of the flat ground", default=0.0)
+    height: float = quantity("m", "Height of the flat ground", default=0.0)
     edge: float = quantity("m", "x at which the slope begins", default=1.5)
-    angle: float = quantity("rad", "Of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(10.0))
+    angle: float = quantity("rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(10.0))
     bottom: float = quantity("m", "Height of the floor at the foot of a slope that leads down", default=-TANK_DEPTH)
 
     def __post_init__(self) -> None:
@@ -97,9 +97,9 @@ class Slope(Scene):
 class Shore(Slope):
     """A shore above the water, on which the robot begins, and a slope down into it."""
 
-    height: float = quantity("m", "Of the flat ground", default=0.10)
+    height: float = quantity("m", "Height of the flat ground", default=0.10)
     edge: float = quantity("m", "x at which the slope begins", default=2.5)
-    angle: float = quantity("rad", "Of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0))
+    angle: float = quantity("rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0))
     ground: Ground | None = option("Friction of its ground along and across the robot", default=SKIN)
 
     wet: ClassVar[bool] = True
@@ -110,8 +110,8 @@ class HeightField(Scene):
     """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
 
     heights: tuple[tuple[float, ...], ...] | None = quantity("m", "One row per x, along y; None: waves", default=None)
-    amplitude: float = quantity("m", "Of the waves", ge=0.0, default=0.03)
-    wavelength: float = quantity("m", "Of the waves", gt=0.0, default=1.0)
+    amplitude: float = quantity("m", "Amplitude of the waves", ge=0.0, default=0.03)
+    wavelength: float = quantity("m", "Wavelength of the waves", gt=0.0, default=1.0)
     extent: tuple[float, float] = quantity("m", "Along x and y; it ends in level ground", gt=0.0, default=(12.0, 6.0))
     middle: tuple[float, float] = quantity("m", "x and y of its middle", default=(3.0, 0.0))
 
@@ -154,7 +154,7 @@ class Pipe(Scene):
     bore: float = quantity("m", "Its inner radius", gt=0.0, default=0.35)
     length: float = quantity("m", "From end to end", gt=0.0, default=8.0)
     center: tuple[float, float, float] = quantity("m", "Its middle", default=(2.0, 0.0, -0.5))
-    tilt: float = quantity("rad", "Of its axis, positive nose up; 90 degrees: upright", ge=-2.0, le=2.0, default=0.0)
+    tilt: float = quantity("rad", "Tilt, positive nose up; 90 degrees: upright", ge=-2.0, le=2.0, default=0.0)
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""

@@ -51,7 +51,7 @@ class Limits:
 
 @value
 class Optimization(Limits):
-    """A scenario, the numbers of it that may change, and what is to be great or small.
+    """A scenario, the numbers of it that may change, and which figures are maximized or minimized.
 
     A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run takes
     no more than joints and actuators have and no links overlap (its `utilization` is at most 1), it reaches its end, it

@@ -188,7 +188,7 @@ def optimize(
     called again with a greater budget.
 
     Args:
-        optimization: What may change, and what is to be great or small.
+        optimization: What may change, and which figures are maximized or minimized.
         folder: Where the checkpoint goes; made if need be. It must be empty, or hold this very optimization. None
             keeps nothing.
         budget: How many points to try.

@@ -174,7 +174,7 @@ class Samples:
     """The one dimension of the result."""
     ranges: Mapping[str, tuple[float, float]] = option("Least and greatest value by name (SI)", check=checked_ranges)
     n_points: int = quantity("", "How many points", ge=1)
-    seed: int = quantity("", "Of the scrambling; another one gives other points", ge=0, default=0)
+    seed: int = quantity("", "Seed of the scrambling; another one gives other points", ge=0, default=0)
 
     @property
     def names(self) -> tuple[str, ...]:

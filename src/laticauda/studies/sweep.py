@@ -237,8 +237,8 @@ class Sweep:
 class Regions:
     """All regions of a sweep; they are the chunks of its stored arrays."""
 
-    shape: tuple[int, ...] = quantity("", "Of the sweep's points", ge=1)
-    block: tuple[int, ...] = quantity("", "Of a region; those at the far ends may be smaller", ge=1)
+    shape: tuple[int, ...] = quantity("", "Shape of the sweep's points", ge=1)
+    block: tuple[int, ...] = quantity("", "Size of a region; those at the far ends may be smaller", ge=1)
 
     @property
     def grid(self) -> tuple[int, ...]:

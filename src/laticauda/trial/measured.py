@@ -118,7 +118,7 @@ class SpeedTrial:
     v_m_s: float | None = quantity("m/s", "Forward velocity; empty: not available", gt=0.0, default=None)
     P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
     robot: str | None = option("What swam, a preset or a TOML file", default=None)
-    duration_s: float = quantity("s", "Of the trial, from rest", gt=0.0, default=30.0)
+    duration_s: float = quantity("s", "Duration of the trial, from rest", gt=0.0, default=30.0)
     v_sigma_m_s: float | None = quantity("m/s", "Standard deviation of the speed's noise", gt=0.0, default=None)
     P_sigma_W: float | None = quantity("W", "The same of the power", gt=0.0, default=None)
     selected_from: int = quantity("", "Of how many settings about as good it is the best", ge=1, default=1)

@@ -133,7 +133,7 @@ class Swimming(ABC):
         "Between which episodes draw numbers of the water's flow; a seed may be any", default_factory=dict[str, Any]
     )
     interval: float = quantity("s", "From one action to the next", gt=0.0, default=0.2)
-    failure_reward: float = quantity("", "Of a step that diverges, the last", ge=-1e9, le=0.0, default=-1000.0)
+    failure_reward: float = quantity("", "Reward of a step that diverges, the last", ge=-1e9, le=0.0, default=-1000.0)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

@@ -130,8 +130,8 @@ class Efficiency(Swimming):
 
     amplitudes: tuple[float, float] = quantity("rad", "May be asked for", ge=0.0, default=(0.0, math.radians(45.0)))
     frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
-    phase_shifts: tuple[float, float] = quantity("rad", "Likewise", default=(math.radians(10.0), math.radians(70.0)))
-    speeds: tuple[float, float] = quantity("m/s", "Of v, which an episode draws", ge=0.0, default=(0.03, 0.15))
+    phase_shifts: tuple[float, float] = quantity("rad", "Its ends", default=(math.radians(10.0), math.radians(70.0)))
+    speeds: tuple[float, float] = quantity("m/s", "Values of v, which an episode draws", ge=0.0, default=(0.03, 0.15))
     speed_tolerance: float = quantity("m/s", "v_1, error of the speed that costs 1 per second", gt=0.0, default=0.02)
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
 
