@@ -262,3 +262,13 @@ def test_the_page_has_the_table_of_the_stored_scores(monkeypatch):
     stored = [scoring.read_scores(file) for file in sorted(RESULTS.glob("*.json"))]
     page = (RESULTS.parents[4] / "docs" / "swimbench.md").read_text(encoding="utf-8")
     assert table(stored) in page
+
+
+@pytest.mark.parametrize("policy", ["los", "ppo"])
+def test_what_is_stored_is_what_is_scored_today(monkeypatch, policy):
+    monkeypatch.undo()
+    stored = scoring.read_scores(RESULTS / f"{policy}.json")
+    expected = next(part["results"] for part in stored["scenarios"] if part["name"] == QUICK)
+    found = scoring.results(QUICK, method(policy))
+    assert [(one["run"], one["seed"]) for one in found] == [(one["run"], one["seed"]) for one in expected]
+    np.testing.assert_allclose([one["score"] for one in found], [one["score"] for one in expected], atol=1e-3)
