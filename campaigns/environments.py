@@ -11,7 +11,7 @@ ones. In the first of the newest, every extra is weighed.
     python campaigns/environments.py --pythons python3.12 --only lowest --tests tests/logs -x
 
 Pythons are those called python3.11 to python3.14 that start. The package `uv` resolves and installs; where it is
-missing, it is installed into the temporary folder. An environment takes four minutes, most of it the tests.
+missing, it is installed into the temporary folder. An environment takes five minutes, most of it the tests.
 """
 
 import argparse
@@ -37,7 +37,14 @@ OUTSIDE = ("export", "sb3")
 SWIM = (
     "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
 )
-TOOLS = ["beartype>=0.20,<0.24", "cantools>=45,<46", "cma", "hypothesis>=6.130,<7", "pytest>=8.3,<10"]
+TOOLS = [
+    "beartype>=0.20,<0.24",
+    "cantools>=45,<46",
+    "cma",
+    "hypothesis>=6.130,<7",
+    "pytest>=8.3,<10",
+    "ziglang>=0.17,<0.18",
+]
 """What the tests need beside the package."""
 TESTS = """
 tests/cli/test_app.py tests/cli/test_swim.py tests/cli/test_sweep.py tests/cli/test_optimize.py tests/studies
