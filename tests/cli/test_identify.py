@@ -93,7 +93,7 @@ figures = {{forward_velocity = 0.003}}
     kept = lc.load_parameters(folder / "a" / "parameters.toml")
     assert (kept.name, kept.title, kept.every_gait.added_mass) == ("tank", "in the tank", 1.4)
     assert kept.changes == {"actuator": {"tracking": 1.0}}
-    assert "not be given beside a file" in run("identify tank.toml --parameters water.normal_drag").err
+    assert "not be given beside tank.toml" in run("identify tank.toml --parameters water.normal_drag").err
 
 
 def test_bad_input_is_named(run, folder: Path, trials: Path):
