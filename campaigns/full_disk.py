@@ -90,7 +90,10 @@ def on_disk(job: Job, folder: Path, fault: str) -> str:
     with fault_at(out, fault):
         status, told = job.fork(folder, is_bound=fault != "full").end()
     wrong = harm(out, older, job, is_whole=True) or complaint(told) or rubbish(out)
-    if not wrong and status not in ((1, 2) if "operate" in job.words else (2,)):  # a robot that stopped swam, too
+    expected = (2,)
+    if "operate" in job.words:  # a robot that stopped swam, too, and beside a file of its name it takes the next one
+        expected = (0, 1, 2) if fault == "file" else (1, 2)
+    if not wrong and status not in expected:
         wrong = f"status {status}"
     if not wrong and re.search(r"\bout\b", told) is None:
         wrong = f"names no place: {told.strip()}"

@@ -21,7 +21,9 @@ build/mutants.jsonl. The tests run a slice, and ask whether every mutant that is
 
 Last answer (2 shared cores, 2026-11-23; about an hour): supervisor and limits 263 of 263; estimation 1397 of 1436
 (97.3 %), of the 1402 that are not equivalent 99.6 %. Of the verdict a sample of 93 was tried, of which 64 are
-noticed (59 to 77 % of all): its limits are wide, and nothing is asked of it yet.
+noticed (59 to 77 % of all): its limits are wide, and nothing is asked of it yet. Of the twin that learns (learning and
+stretches, which are not among the files below yet) a sample of 160 was tried, of which 113 are noticed (63 to 77 %);
+then a test of a rough run came.
 """
 
 import argparse
@@ -115,11 +117,6 @@ TARGETS = (
             "without_references_a_plant",
             "twin_that_diverges",
         ),
-        warm=_swim,
-    ),
-    Target(
-        files=_estimation("learning", "stretches"),
-        tests=("tests/estimation/test_stretches.py", "tests/estimation/test_learning.py"),
         warm=_swim,
     ),
 )

@@ -483,7 +483,7 @@ ROUGH = {
     "model_speed": 0.09145273868058118,
     "pose_age": 0.0124,
     "clock_drift": 0.013 / 24.02 - 0.01 / 24.02,
-    "water_speed": 0.003997670355270822,
+    "water_speed": 0.0039873201566111615,
     "without_zero": 2.0,
 }
 """What the verdict said of it on 2026-11-23, once everything else here held."""
@@ -497,3 +497,13 @@ def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
     assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 6"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)
     assert bare.checks[0].value == pytest.approx(0.0028545947679231554, rel=1e-6)
+
+
+def test_joint_zeros_that_are_set_shortly_before_the_run_are_no_drift_of_the_robot(truth):
+    def calibrated(at):
+        event = Event(time=at, kind="calibrating", message="", data={"without_zero": 0})
+        log = log_of(truth, still=0.02)
+        return judged(replace(log, entries=(event, *log.entries)))["water_speed"].word
+
+    assert calibrated(BEFORE - 2.0) == "WRONG"
+    assert calibrated(BEFORE - 1.0) == "not checked"

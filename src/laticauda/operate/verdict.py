@@ -183,10 +183,11 @@ class _Run:
         events: list[Event] = self.log.of(Event)
         unset = [float(one.data.get("without_zero", 0)) for one in events if one.kind == "calibrating"]
         yield "without_zero", ([self.begin], np.array(unset[-1:]), "")
-        seen: list[Estimate] = self.log.of(Estimate)
-        still = [one for one in seen if 0.0 <= self.begin - one.time <= BEFORE and one.age < GAP]
+        # Joint zeros that are set move what is estimated.
+        since = max([self.begin - BEFORE, *(one.time + GAP for one in events if one.kind == "calibrating")])
+        still = [one for one in self.log.of(Estimate) if since <= one.time <= self.begin and one.age < GAP]
         if len(still) > 1 and still[-1].time - still[0].time > 0.5 * BEFORE:
-            place = np.array([one.center_of_mass[:2] for one in still])
+            place = _typical([one.center_of_mass[:2] for one in still])
             drift = np.polyfit([one.time - self.begin for one in still], place, 1)[0]
             yield "water_speed", ([self.begin], np.array([math.hypot(*drift)]), "")
         clocks = [
