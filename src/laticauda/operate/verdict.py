@@ -227,7 +227,7 @@ class _Run:
         bend = [one.heading - one.link_angle[self.link] for one in self.estimates]
         off = np.asarray(yaw + np.interp(time, ticks, bend) - np.interp(time, self.model[0], self.model[3]), float)
         off[(time < self.begin) | (time > self.model[0][-1])] = np.nan
-        middle = np.median(np.lib.stride_tricks.sliding_window_view(off, FRAMES), axis=1)
+        middle = _typical(off)[FRAMES // 2 : -(FRAMES // 2)]
         last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
         yield "marker_jump", (last, np.where(lasts < GAP, np.abs(middle[FRAMES:] - middle[:-FRAMES]), np.nan), "")
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
-from laticauda.cosim.gym.tasks import ACROSS, ALONG, HEADING_RATE, PHASE, check_ends
+from laticauda.cosim.gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 from laticauda.errors import BadArgument
 from laticauda.quantities import quantity, value
 
@@ -69,12 +69,7 @@ class Swim(Swimming):
     def sights(self) -> tuple[Sight, ...]:
         """What cameras or a filter, the power meter, and the robot's own gait tell: nothing of the water."""
         return (
-            Sight(name="cross_track_error", of=lambda step: step.after.y),
-            Sight(name="sin_heading", of=lambda step: np.sin(step.after.heading)),
-            Sight(name="cos_heading", of=lambda step: np.cos(step.after.heading)),
-            HEADING_RATE,
-            ALONG,
-            ACROSS,
+            *BESIDE_THE_PATH,
             Sight(name="power", of=lambda step: step.power, unit=_UNIT_POWER),
             *PHASE,
             Sight(name="amplitude", of=lambda step: step.after.amplitude, unit=self.amplitudes[1]),

@@ -12,6 +12,15 @@ from laticauda.quantities import quantities_of, quantity, value
 HEADING_RATE = Sight(name="heading_rate", of=lambda step: step.after.heading_rate)
 ALONG = Sight(name="velocity_along", of=lambda step: step.velocity[0], unit=0.1)
 ACROSS = Sight(name="velocity_across", of=lambda step: step.velocity[1], unit=0.1)
+BESIDE_THE_PATH = (
+    Sight(name="cross_track_error", of=lambda step: step.after.y),
+    Sight(name="sin_heading", of=lambda step: np.sin(step.after.heading)),
+    Sight(name="cos_heading", of=lambda step: np.cos(step.after.heading)),
+    HEADING_RATE,
+    ALONG,
+    ACROSS,
+)
+"""What tells of the place beside the path, the heading to it, and the velocity over ground."""
 PHASE = (
     Sight(name="sin_phase", of=lambda step: np.sin(step.after.phase)),
     Sight(name="cos_phase", of=lambda step: np.cos(step.after.phase)),
@@ -99,15 +108,7 @@ class PathFollowing(Steered):
     @property
     def sights(self) -> tuple[Sight, ...]:
         """Place beside the path, heading to it, velocity over ground; phase and offset of the gait."""
-        return (
-            Sight(name="cross_track_error", of=lambda step: step.after.y),
-            Sight(name="sin_heading", of=lambda step: np.sin(step.after.heading)),
-            Sight(name="cos_heading", of=lambda step: np.cos(step.after.heading)),
-            HEADING_RATE,
-            ALONG,
-            ACROSS,
-            *super().sights,
-        )
+        return (*BESIDE_THE_PATH, *super().sights)
 
     def reward(self, step: Step) -> Numbers:
         """Progress along the path, less what distance from it and power cost in `step`."""
