@@ -4,7 +4,9 @@ import sys
 
 import pytest
 
+from laticauda import codec
 from laticauda.extensions import Extensible, name_of
+from laticauda.robot import Scene
 
 
 class Sound(Extensible, group="sounds"):
@@ -46,6 +48,19 @@ def test_an_unknown_name_is_refused_with_those_that_there_are():
         ValueError, match=r"`kind` must be one of .*`loud-bang`, got 'loudbang'; did you mean `loud-bang`\?"
     ):
         Sound.named("loudbang")
+
+
+def test_a_base_with_a_name_is_a_member_and_one_without_is_none():
+    class Weather(Extensible, group="weathers"):
+        called = "calm"
+
+    class Storm(Weather):
+        pass
+
+    assert Weather.names() == ("calm", "storm")
+    assert Weather.named("calm") is Weather
+    assert "sound" not in Sound.names()
+    assert codec.decode(Scene, codec.encode(Scene(level=0.1), Scene)) == Scene(level=0.1)
 
 
 def test_a_name_never_imports_what_it_says():

@@ -43,7 +43,8 @@ class Extensible:
         """
         super().__init_subclass__(**rest)
         if group is not None:
-            cls.group, cls._known, cls._homes = group, {}, HOMES.get(group, {})
+            cls.group, cls._homes = group, HOMES.get(group, {})
+            cls._known = {name_of(cls): cls} if "called" in vars(cls) else {}  # a base with a name is one of them
         elif not cls.__name__.startswith("_"):
             cls._known[name_of(cls)] = cls
 

@@ -300,7 +300,7 @@ def test_a_scenario_is_a_file_that_options_change(run):
     assert (other.robot.n_links, other.model.joints, other.duration) == (5, Servo(), 1.0)
     assert run("swim none.toml").status == 2
     refused = run("swim run.toml --pitch-amplitude-deg 3")
-    assert (refused.status, "`gait.pitch` must be None unless `model` is `spatial`" in refused.err) == (2, True)
+    assert (refused.status, "--pitch-... must be None unless `model` is `spatial`" in refused.err) == (2, True)
 
 
 def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_numbers(run, folder, monkeypatch):

@@ -175,6 +175,22 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path):
         open_sweep(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("points", "file", "word"),
+    [
+        (Grid(values={"gait.amplitude": [0.3, 0.5]}), "gait.amplitude/zarr.json", "gait.amplitude"),
+        (Rows(values={"gait.amplitude": [0.3, 0.5]}), "zarr.json", "coordinates"),
+    ],
+)
+def test_results_that_do_not_say_any_more_what_was_varied_are_refused(tmp_path: Path, points, file: str, word: str):
+    run_sweep(small(points=points), tmp_path)
+    damaged = tmp_path / "results.zarr" / file
+    damaged.write_text(damaged.read_text().replace(f'"{word}"', f'"{word[:-1]}?"'))
+    for read in (open_sweep, best):
+        with pytest.raises(ValueError, match=r"readable `results\.zarr`, got .*`gait\.amplitude` is missing"):
+            read(tmp_path)
+
+
 def test_results_are_refused_where_the_caller_wants_none(tmp_path: Path):
     run_sweep(small(), tmp_path / "a", resume=False)
     with pytest.raises(ValueError, match="`folder` must have no results yet unless `resume` is set"):

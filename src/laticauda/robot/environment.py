@@ -122,9 +122,12 @@ Environment: TypeAlias = Water | Ground
 class Scene(Extensible, group="scenes"):
     """What is around a robot in space: obstacles, walls, terrain. One's own is a class below this one.
 
+    This one is `open`: nothing but water or flat ground, in which robots meet nothing but each other.
+
     World axes: z is up, and 0 the height of the ground, or of the water's surface unless it says otherwise.
     """
 
+    called: ClassVar[str] = "open"
     dt: ClassVar[float] = 0.002
     """Step at which contacts with it are resolved [s]."""
     wet: ClassVar[bool] = False

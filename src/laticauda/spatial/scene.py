@@ -187,11 +187,6 @@ class Tank(Scene):
 
 
 @value
-class Open(Scene):
-    """Nothing: open water or flat ground, in which robots meet nothing but each other."""
-
-
-@value
 class Mjcf(Scene):
     """What an MJCF file holds: its bodies, with their joints, and what they are made of; its options do not count."""
 

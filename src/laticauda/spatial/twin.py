@@ -41,7 +41,7 @@ class Twin:
         members = [(*one, mjcf.prefix(k)) for k, one in enumerate(((robot, setup), *others))]
         with scene.blamed():
             for k, (other, own) in enumerate(others, 1):
-                mjcf.add_robot(spec, spec_of(other, environment, replace(own, scene=scene.Open())), k)
+                mjcf.add_robot(spec, spec_of(other, environment, replace(own, scene=Scene())), k)
             self.model = water.compiled(spec)
         if setup.dt is not None:
             self.model.opt.timestep = setup.dt

@@ -13,7 +13,7 @@ bits. (This holds for killed programs; after a power failure the file system has
 import json
 import math
 import shutil
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -139,6 +139,9 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
         dataset = dataset[[name for name in sweeps.QUANTITIES if name in dataset]]  # in our order; older have fewer
         if any(one.shape != regions.shape for one in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
+        for name in _parameters(path):
+            if name not in dataset.coords:
+                raise BadArgument(name, "is missing, or no coordinate any more")
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
@@ -194,6 +197,12 @@ def _definition(path: Path) -> dict[str, Any] | None:
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
         raise BadArgument("folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one")
     return cast("dict[str, Any]", found)
+
+
+def _parameters(path: Path) -> Iterable[str]:
+    """What the definition there says is varied, by a grid, samples or a list of points."""
+    points = (_definition(path) or {}).get("points", {})
+    return next((points[key] for key in ("values", "ranges", "sha256") if key in points), ())
 
 
 def _by_region(sweep: Sweep) -> dict[str, Any]:

@@ -134,6 +134,13 @@ def test_the_header_names_every_variable_with_its_unit_and_range():
         assert line in header
 
 
+def test_a_robots_name_ends_no_comment():
+    tables = tables_for(replace(lc.load_robot("mamba"), name="a*/b"), GAIT)
+    header = header_of(tables, "snake")
+    assert "The swimming snake robot a* /b" in header
+    assert header.count("/*") == header.count("*/")
+
+
 @pytest.mark.parametrize("hinges", [0, 2])
 def test_members_of_a_fin_have_names_of_their_own(hinges):
     robot = lc.load_robot("mamba-fin")

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
 from laticauda.cosim.gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 from laticauda.errors import BadArgument

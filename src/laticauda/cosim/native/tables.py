@@ -285,7 +285,7 @@ def header_of(tables: Tables, name: str) -> str:
         name: Of the structure, and what its functions' names begin with.
     """
     return Template((FOLDER / "library.h").read_text(encoding="utf-8")).substitute(
-        words=tables.words,
+        words=tables.words.replace("*/", "* /"),  # within a comment
         version=lc.__version__,
         name=name,
         guard=name.upper(),
