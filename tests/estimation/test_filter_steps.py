@@ -346,6 +346,20 @@ def test_samples_of_one_moment_are_taken_in_as_they_come_and_late_ones_where_the
     assert USUAL.step(outlier, joints(1.036)).n_outliers == 1
 
 
+def test_samples_that_come_at_once_are_worth_the_same_one_by_one_or_in_any_parts():
+    came = [joints(1.0), frame(1.0, 0.5, -0.2, 0.3), joints(1.02, 0.01), joints(1.04, 0.02), joints(1.06, 0.03)]
+    came += [frame(1.03, 0.501, -0.2, 0.3), joints(0.5), frame(1.05, 0.502, -0.2, 0.31), joints(1.2), joints(1.05)]
+    one = after(*came)
+    for cuts in ([10], [5, 5], [2, 4, 4]):
+        state, at = USUAL.init(), 0
+        for n in cuts:
+            state, at = USUAL.steps(state, came[at : at + n]), at + n
+        assert np.array_equal(state.latest.posterior.mean, one.latest.posterior.mean)
+        assert np.array_equal(state.latest.posterior.covariance, one.latest.posterior.covariance)
+        assert [known.time for _, known in state.history] == [known.time for _, known in one.history]
+        assert state.n_late == one.n_late == 2
+
+
 def test_of_the_past_the_horizon_is_kept():
     state = after(*(joints(0.01 * k) for k in range(40)))
     assert state.history[0][1].time == pytest.approx(0.29) and len(state.history) == 11

@@ -6,9 +6,10 @@ belongs, and repeats what came after it.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -83,29 +84,38 @@ class Estimator(StateEstimator):
         return EstimatorState(history=((None, first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
-        """The state after one more sample, in whatever order samples come.
+        """The state after one more sample, in whatever order samples come; arguments and errors as for `steps`."""
+        return self.steps(state, (sample,))
+
+    def steps(self, state: EstimatorState, samples: Sequence[Sample]) -> EstimatorState:
+        """The state after several samples that came at once: it goes back once for all of them.
 
         Args:
             state: As the last call returned it, or `init`.
-            sample: What came in.
+            samples: What came in, in the order in which it came.
 
         Raises:
-            ValueError: If the sample does not fit the robot.
+            ValueError: If a sample does not fit the robot.
         """
-        later: list[Sample] = []
-        history = list(state.history)
-        while history[-1][1].time > sample.time:
-            old, _ = history.pop()
-            if old is None or not history:  # from before anything that is remembered
-                return replace(state, n_late=state.n_late + 1)
-            later.append(old)
+        history, new = list(state.history), list[Sample]()
+        latest = state.latest.time
+        for sample in samples:
+            if sample.time >= max(history[0][1].time, latest - self.horizon):
+                new.append(sample)
+            latest = max(latest, sample.time)
+        n_late = state.n_late + len(samples) - len(new)
+        if not new:
+            return replace(state, n_late=n_late)
+        later, begin = list[Sample](), min(sample.time for sample in new)
+        while len(history) > 1 and history[-1][1].time > begin:
+            later.append(cast(Sample, history.pop()[0]))  # only the first one has none
         rejected = 0
-        for item in (sample, *reversed(later)):
+        for item in sorted((*reversed(later), *new), key=lambda sample: sample.time):
             before = history[-1][1]
             after = self._after(before, item)
             history.append((item, after))
-            rejected += item is sample and after.n_rejected > before.n_rejected
-        after = replace(state, history=tuple(history), n_outliers=state.n_outliers + rejected)
+            rejected += after.n_rejected > before.n_rejected and not any(item is old for old in later)
+        after = replace(state, history=tuple(history), n_outliers=state.n_outliers + rejected, n_late=n_late)
         return after.within(self.horizon)
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:

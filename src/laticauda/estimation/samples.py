@@ -4,6 +4,7 @@ Every sample says when it was taken, on the one clock of the recording. They may
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
@@ -180,6 +181,12 @@ class StateEstimator:
     def step(self, state: Any, sample: Sample) -> Any:
         """The state that follows `state` by one more `sample`."""
         raise NotImplementedError
+
+    def steps(self, state: Any, samples: Sequence[Sample]) -> Any:
+        """The state that follows `state` by several `samples` that came at once, in this order."""
+        for sample in samples:
+            state = self.step(state, sample)
+        return state
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
         """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known."""

@@ -227,10 +227,8 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
 
 def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
     """The estimate with the samples; an error in it stops the robot, and not the program."""
-    after = state.estimator
     try:
-        for sample in samples:
-            after = estimator.step(after, sample)
+        after = estimator.steps(state.estimator, samples)
         return replace(state, estimator=after, estimate=estimator.estimate(after, now))
     except Exception as error:
         return replace(state, estimate=None, error=f"state estimation: {error}")

@@ -291,11 +291,13 @@ def rerun_estimator(
     """
     chosen = _recorded_estimator(log, plant) if estimator is None else estimator
     state = chosen.init()
-    found: list[Estimate] = []
+    found, at_once = list[Estimate](), list[Sample]()
     for entry in log.entries:
         if isinstance(entry, Sample):
-            state = chosen.step(state, entry)
+            at_once.append(entry)
         elif isinstance(entry, Estimate):
+            state = chosen.steps(state, at_once)
+            at_once.clear()
             estimate = chosen.estimate(state, entry.time)
             if estimate is not None:
                 found.append(estimate)
