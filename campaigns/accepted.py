@@ -23,27 +23,27 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from _faulty_tank import FaultyTank, Quiet
 from _rows import gone_on
 
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.gaits import envelope_of
-from laticauda.lab import Fault, LabSettings, VirtualRobot
+from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
+from laticauda.lab.faults import ON_NODES
 from laticauda.operate.session import operate
 from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Operation
 
 FAULTS = {
-    "jammed joint": ("stuck_servo", 0.0),
-    "weak joint, half": ("weak_servo", 0.5),
-    "weak joint, a quarter": ("weak_servo", 0.25),
-    "slipped zero, 5 deg": ("slipped_zero", math.radians(5.0)),
-    "slipped zero, 10 deg": ("slipped_zero", math.radians(10.0)),
-    "lost fin": ("lost_fin", 0.0),
-    "wrong body": ("wrong_body", 0.0),
-    "drifting clock, 0.1 %": ("clock_drift", 1e-3),
-    "marker body turned, 5 deg": ("marker_slip", math.radians(5.0)),
-    "moving water, 3 cm/s": ("moving_water", 0.03),
+    "jammed joint": ("stuck_servo", {}),
+    "weak joint, half": ("weak_servo", {"share": 0.5}),
+    "weak joint, a quarter": ("weak_servo", {"share": 0.25}),
+    "slipped zero, 5 deg": ("slipped_zero", {"angle": math.radians(5.0)}),
+    "slipped zero, 10 deg": ("slipped_zero", {"angle": math.radians(10.0)}),
+    "lost fin": ("lost_fin", {}),
+    "wrong body": ("wrong_body", {}),
+    "drifting clock, 0.1 %": ("clock_drift", {"share": 1e-3}),
+    "marker body turned, 5 deg": ("marker_slip", {"angle": math.radians(5.0)}),
+    "moving water, 3 cm/s": ("moving_water", {"speed": 0.03}),
 }
 DURATION = 40.0  # of a run [s]
 FILE = Path(__file__).with_suffix(".csv")
@@ -96,7 +96,7 @@ def run_one(fault: str, seed: int) -> Row:
     robot = what.body()
     plant = lc.plant(robot, what.pool(), joints="servo")
     start = lc.Start(center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2))
-    tank = FaultyTank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=0.02))
+    tank = Tank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=0.02))
     begun: list[float] = []
     wait = chance.uniform(1.5, 3.0) * 2.0 * math.pi / what.gait.frequency
     node, towards = chance.randint(2, 6), chance.uniform(0.0, 2.0 * math.pi)
@@ -105,11 +105,9 @@ def run_one(fault: str, seed: int) -> Row:
         if state.begun is None or begun or not fault:
             return
         begun.append(state.begun)
-        kind, size = FAULTS[fault]
-        if kind == "stuck_servo":
-            tank.inject(Fault(kind=kind, time=state.begun + wait, node=node))
-        else:
-            tank.quiet = Quiet(kind, state.begun + wait, node, size, towards)
+        kind, of = FAULTS[fault]
+        where = {"node": node} if kind in ON_NODES else {}
+        tank.inject(Fault(kind=kind, time=state.begun + wait, towards=towards, **where, **of))
 
     with tempfile.TemporaryDirectory() as folder:
         done = operate(what, Path(folder), tank=tank, twin=plant, show=show, frames=False)

@@ -21,20 +21,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
-from _faulty_tank import FaultyTank, Quiet
 from _rows import gone_on
 
 import laticauda as lc
 from laticauda.estimation import Learned, Learner, Learning, Sample
 from laticauda.estimation.learning import CRAB
-from laticauda.lab import Fault, LabSettings, VirtualRobot
+from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
+from laticauda.lab.faults import ON_NODES
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.loop import TankDevices, run_loop
 from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
 FAULTS = {"lost fin": "lost_fin", "jammed joint": "stuck_servo", "weak joint, half": "weak_servo"}
 FAULTS["moving water, 3 cm/s"] = "moving_water"
-SIZES = {"weak_servo": 0.5, "moving_water": 0.03}
+SIZES = {"weak_servo": {"share": 0.5}, "moving_water": {"speed": 0.03}}
 NAMES = {"lost_fin": "fin", "stuck_servo": "stuck", "weak_servo": "weak", "moving_water": "water"}
 DURATION, AT = 61.0, (20.0, 40.0, 60.0)  # of a run, and when it is asked what is known [s]
 LEARNT = ("normal_drag", "tangential_friction", "current_x", "current_y")
@@ -102,7 +102,7 @@ def run_one(fault: str, seed: int) -> Row:
     share = {name: math.exp(chance.gauss(0.0, 0.2)) for name in unknown}
     true = replace(guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()})
     body = VirtualRobot(robot, lc.plant(robot, true, joints="servo"))
-    tank = FaultyTank(body, LabSettings(seed=seed, step=0.02))
+    tank = Tank(body, LabSettings(seed=seed, step=0.02))
     heard = Heard(Learner(robot=robot, plant=lc.plant(robot, guess, joints="servo"), mount=what.calibration.mount))
     begun, wait, node = list[float](), chance.uniform(25.0, 29.0), chance.randint(2, 6)
 
@@ -111,10 +111,11 @@ def run_one(fault: str, seed: int) -> Row:
             return
         begun.append(state.begun)
         kind = FAULTS.get(fault, "")
-        if kind == "stuck_servo":
-            tank.inject(Fault(kind=kind, time=state.begun + wait, node=node))
-        elif kind:
-            tank.quiet = Quiet(kind, state.begun + wait, node, SIZES.get(kind, 0.0), chance.uniform(0.0, 2.0 * math.pi))
+        if kind:
+            towards = 0.0 if kind == "stuck_servo" else chance.uniform(0.0, 2.0 * math.pi)
+            where = {"node": node} if kind in ON_NODES else {}
+            of = SIZES.get(kind, {})
+            tank.inject(Fault(kind=kind, time=state.begun + wait, towards=towards, **where, **of))
 
     operator = Operator(operation=what, clears=False, check_only=False, twin=None)
     state, _ = run_loop(

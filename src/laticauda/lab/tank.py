@@ -12,7 +12,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
-from laticauda.lab import instruments, nodes
+from laticauda.lab import instruments, nodes, quiet
 from laticauda.lab.faults import KINDS, Fault, Faults, fault_from_words
 from laticauda.lab.settings import LabSettings
 from laticauda.lab.virtual_robot import Truth, VirtualRobot
@@ -40,7 +40,9 @@ class Tank:
         if not 1 <= len(joints) <= N_NODES:
             raise BadArgument("robot", f"must have 1 to {N_NODES} joints, a driven fin's among them, got {len(joints)}")
         self.settings = settings or LabSettings()
-        self.body, self.faults = body, Faults(faults)
+        self.body, self.faults, self._built = body, Faults(), body.plant
+        for fault in faults:
+            self.inject(fault)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
         motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
         self.electronics = instruments.Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
@@ -51,6 +53,9 @@ class Tank:
         self._ticks = self._frames = 0
         self._leaks = np.zeros(len(joints), dtype=bool)
         self._jammed: dict[int, float] = {}
+        self._altering: tuple[Fault, ...] = ()
+        self._slipped = np.zeros(len(joints))
+        self._mistakes = quiet.Mistakes(self.cameras, self._wire)
         self._silent = [False] * len(joints)  # off the bus, or without power
         self._dead = [False] * len(joints)
         self._senses = self._read()
@@ -64,7 +69,12 @@ class Tank:
         return self.body.truth
 
     def inject(self, fault: Fault) -> None:
-        """Let a `fault` happen; one of the past never was."""
+        """Let a `fault` happen; one of the past never was.
+
+        Raises:
+            ValueError: If it cannot happen to this robot here.
+        """
+        quiet.check(fault, self._built)
         self.faults.add(fault)
 
     def carry(self, start: Start) -> None:
@@ -195,11 +205,14 @@ class Tank:
             hidden = self.faults.on("body_lost") is not None
             frame = self.cameras.look(self.truth.modules, self.time, hidden=hidden)
             if frame is not None and not self.faults.on("mocap_silent"):
-                self._captured.append(frame)
+                self._captured.append(self._mistakes.instead(frame, self.faults, self.time))
 
     def _apply_faults(self) -> None:
-        """What the faults of this moment do to the modules."""
+        """What the faults of this moment do to the modules, to the whole robot, and to the water."""
         faults = self.faults
+        altering = tuple(fault for fault in faults.present if fault.kind in quiet.OF_PLANT)
+        if altering != self._altering:
+            self._altering, self.body.plant = altering, quiet.altered(self.body, self._built, faults)
         for i, node in enumerate(self.nodes):
             number = node.number
             dead = faults.on("dead_module", number) is not None
@@ -212,6 +225,11 @@ class Tank:
                 node.error_count = 0
                 node.flags.add("bus_errors")
             self._dead[i], self._silent[i] = dead, dead or off
+            slipped = faults.on("slipped_zero", number)
+            if slipped is not None:
+                further = (slipped.angle - self._slipped[i]) * (1.0 - math.exp(-self.settings.step / quiet.SLIP_TIME))
+                self._slipped[i] += further
+                self.electronics.zero_error[i] -= further
             self._leaks[i] = faults.on("leak", number) is not None
             hot = faults.on("over_temperature", number)
             if hot is not None:

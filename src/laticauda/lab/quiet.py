@@ -1,0 +1,95 @@
+"""Faults that no device tells of: of the robot, of the water, and of what the cameras take for the robot."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from laticauda.dynamics.plant import Plant
+from laticauda.errors import BadArgument
+from laticauda.kinematics import turn
+from laticauda.lab.faults import Fault, Faults
+from laticauda.lab.instruments import Cameras
+from laticauda.lab.virtual_robot import VirtualRobot
+from laticauda.protocol import BodyPose, MocapFrame
+from laticauda.robot import Water
+
+OF_PLANT = ("weak_servo", "lost_fin", "moving_water")
+SLIP_TIME = 0.3  # in which a horn slips, under load [s]
+
+
+def check(fault: Fault, plant: Plant[Any]) -> None:
+    """Refuse what cannot happen to this robot here.
+
+    Args:
+        fault: What is to happen.
+        plant: The robot in its water.
+
+    Raises:
+        ValueError: If it cannot.
+    """
+    fin = plant.robot.caudal_fin
+    if fault.kind == "lost_fin" and fin is not None and (plant.robot.fin_joints or fin.n_hinges):
+        raise BadArgument("kind", "must not be `lost_fin`: only a fin without hinges and joints of its own comes off")
+    if fault.kind == "moving_water" and not isinstance(plant.environment, Water):
+        raise BadArgument("kind", "must not be `moving_water` on land")
+
+
+def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
+    """What the faults of this moment make of a plant; its state stays what it is, and what is lost was at rest.
+
+    Args:
+        body: The robot, whose modules the plant's joints are.
+        built: The plant without faults.
+        faults: What there is now.
+    """
+    robot, water = built.robot, built.environment
+    joints = list(robot.joints)
+    for k, i in enumerate(body.driven[: robot.n_joints].tolist()):
+        weak = faults.on("weak_servo", i + 1)
+        if weak is not None:
+            drive = replace(joints[k].actuator, stall_torque=weak.share * joints[k].actuator.stall_torque)
+            joints[k] = replace(joints[k], actuator=drive)
+    moving = faults.on("moving_water")
+    if moving is not None and isinstance(water, Water):
+        x, y, *up = water.current
+        moved = (x + moving.speed * math.cos(moving.towards), y + moving.speed * math.sin(moving.towards), *up)
+        water = replace(water, current=moved)
+    fin = None if faults.on("lost_fin") else robot.caudal_fin
+    return replace(built, robot=replace(robot, joints=tuple(joints), caudal_fin=fin), environment=water)
+
+
+class Mistakes:
+    """What cameras say instead of what they see.
+
+    Args:
+        cameras: Whose noise another body has, too.
+        random: Of that noise.
+    """
+
+    def __init__(self, cameras: Cameras, random: np.random.Generator) -> None:
+        self._noise, self._random = cameras.settings.position_noise, random
+        self._seen: BodyPose | None = None
+
+    def instead(self, frame: MocapFrame, faults: Faults, time: float) -> MocapFrame:
+        """What is said.
+
+        Args:
+            frame: What is seen.
+            faults: What there is now.
+            time: By the lab's clock [s].
+        """
+        (body,) = frame.bodies
+        drift, slip = faults.on("clock_drift"), faults.on("marker_slip")
+        if drift is not None:
+            frame = replace(frame, timestamp=frame.timestamp + drift.share * (time - drift.time))
+        if body is not None and slip is not None:
+            body = replace(body, rotation=body.rotation @ turn("yaw", slip.angle))
+        if faults.on("wrong_body") is None:
+            self._seen = None
+        elif body is not None:  # it lies where the robot's was
+            self._seen = self._seen or body
+            noise = self._noise * self._random.standard_normal(3)
+            body = replace(body, position=self._seen.position + noise, rotation=self._seen.rotation)
+        return replace(frame, bodies=(body,))
