@@ -31,7 +31,7 @@ $(PACKAGE): pyproject.toml
 
 $(DEV): $(PACKAGE)
 	@echo "Installing the developers' tools into $(VENV) ..."
-	@$(PIP) install --no-compile --editable '.[all,export]' --group dev  # Python compiles the part that it imports
+	@$(PIP) install --no-compile --editable '.[all,export]' --editable plugins/laticauda-gym --group dev  # Python compiles the part that it imports
 	@touch $@
 
 $(DOCS): $(DEV)

@@ -4,7 +4,7 @@ Question: what does a learner gain from the batch kernel, or in space from threa
 steps of 0.2 s of Mamba with its fin, random actions, whole calls through Gymnasium's own `make_vec`, on this machine.
 All ways take turns in every round, and the best round of each counts. Other work on the machine takes from all of them,
 but not the same share: so the second table has the steps per second of processor time, of all processes together. It
-needs the extra `learn`.
+needs `plugins/laticauda-gym`.
 
     python benchmarks/environments.py [spatial]
 """
@@ -20,9 +20,9 @@ from typing import Any
 import gymnasium
 from _timing import print_load
 
-import laticauda.cosim.gym
+import laticauda_gym
 
-NAME = laticauda.cosim.gym.IDS[0]
+NAME = laticauda_gym.IDS[0]
 MODEL = "".join(sys.argv[1:]) or "planar"
 COUNTS = (2, 8, 64, 1024) if MODEL == "planar" else (2, 8, 64)
 MOST_PROCESSES = 64

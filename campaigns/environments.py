@@ -1,13 +1,13 @@
 """Does laticauda work with the oldest and the newest packages that it allows, on every Python here? And its weight?
 
 A wheel is built, and goes for each Python into two new environments with all that `[all]` has: in one, every package
-that `pyproject.toml` names is the oldest that it allows and that has a wheel for that Python, in the other the newest.
-There the program swims, and the tests that touch those packages run against the wheel; old packages may warn of newer
-ones. In the first of the newest, every extra is weighed.
+that `pyproject.toml` names, or that of `plugins/laticauda-gym`, is the oldest that it allows and that has a wheel for
+that Python, in the other the newest. There the program swims, and the tests that touch those packages run against the
+wheel; old packages may warn of newer ones. In the first of the newest, every extra is weighed.
 
     python campaigns/environments.py                                  # beside the stored answer
     python campaigns/environments.py --write                          # writes environments.csv
-    python campaigns/environments.py --weigh export sb3               # the large ones, too: gigabytes
+    python campaigns/environments.py --weigh export                   # the large one, too
     python campaigns/environments.py --pythons python3.12 --only lowest --tests tests/logs -x
 
 Pythons are those called python3.11 to python3.14 that start. The package `uv` resolves and installs; where it is
@@ -23,6 +23,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import zipfile
 from collections.abc import Iterator
 from email.parser import HeaderParser
@@ -32,7 +33,7 @@ from typing import NamedTuple
 STORED, ROOT = Path(__file__).with_suffix(".csv"), Path(__file__).parent.parent
 PYTHONS = [f"python3.{minor}" for minor in (11, 12, 13, 14)]
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
-OUTSIDE = ("export", "sb3")
+OUTSIDE = ("export",)
 """Extras that `[all]` has not."""
 SWIM = (
     "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
@@ -48,11 +49,13 @@ TOOLS = [
 """What the tests need beside the package."""
 TESTS = """
 tests/cli/test_app.py tests/cli/test_swim.py tests/cli/test_sweep.py tests/cli/test_optimize.py tests/studies
-tests/cockpit/test_pages.py tests/compiling/test_lanes.py tests/control/test_predictive.py tests/cosim/gym
+tests/cockpit/test_pages.py tests/compiling/test_lanes.py tests/control/test_predictive.py plugins/laticauda-gym/tests
 tests/figures/test_swim.py tests/identify/test_uncertainty.py tests/logs tests/mujoco_water/test_water.py
 tests/operate/drivers tests/reports/test_page.py tests/simulate/test_reference_numbers.py tests/trial
 """.split()
 """Those that touch other packages."""
+BESIDE = tomllib.loads((ROOT / "plugins/laticauda-gym/pyproject.toml").read_text(encoding="utf-8"))["project"]
+"""A distribution whose tests are among them, and use nothing more of it than its sources."""
 WEIGHTS = """
 import importlib.metadata, importlib.util, json, os, re, sys
 from packaging.requirements import Requirement
@@ -117,7 +120,8 @@ class Wheel(NamedTuple):
 
     def wanted(self) -> list[str]:
         """It, and by itself whatever `[all]` requires: the oldest of what others require would be too old for them."""
-        groups = (group for extra, group in self.requirements.items() if extra not in OUTSIDE)
+        groups = [group for extra, group in self.requirements.items() if extra not in OUTSIDE]
+        groups.append([requirement for requirement in BESIDE["dependencies"] if requirement != "laticauda"])
         return [str(self.file), *sorted({requirement for group in groups for requirement in group})]
 
 

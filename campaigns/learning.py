@@ -5,7 +5,7 @@ that law and of the integral law? All of them steer the same robot through the s
 same 256 episodes, which neither the learner nor the grid has seen. The return is what counts; what it is made of
 stands beside it, of the last 20 s of each episode.
 
-    pip install "laticauda[sb3]"
+    pip install . "./plugins/laticauda-gym[sb3]"
     python campaigns/learning.py --budget 1000000
 
 PPO's settings are the defaults of stable-baselines3 but for those in `SETTINGS`, which are the best of three that were
@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.cosim.gym import Pilots, SwimmingVectorEnv
+from laticauda_gym import Pilots, SwimmingVectorEnv
 
 LANES = 64
 EPISODES = 256
@@ -72,7 +72,7 @@ def learned(seed: int, budget: int) -> tuple[Any, float]:
     from stable_baselines3 import PPO
     from stable_baselines3.common.vec_env import VecNormalize
 
-    from laticauda.cosim.gym import StableBaselines
+    from laticauda_gym import StableBaselines
 
     envs = SwimmingVectorEnv(LANES, task="PathFollowing", autoreset_mode="SameStep")
     scaled = VecNormalize(StableBaselines(envs), norm_obs=False)  # rewards only
@@ -140,7 +140,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the learners")
     args = parser.parse_args()
     if importlib.util.find_spec("stable_baselines3") is None:
-        print('This needs stable-baselines3; run `pip install "laticauda[sb3]"`.', file=sys.stderr)
+        print("This needs stable-baselines3; run `pip install stable-baselines3`.", file=sys.stderr)
         return
     print("| who steers | return | less the best law's | rms error [mm] | along [m/s] | power [W] |")
     print("|---|---|---|---|---|---|")

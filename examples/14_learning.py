@@ -7,7 +7,7 @@ lanes of one environment 16 candidates swim four episodes each, so a generation 
 the end are new to all. `campaigns/learning.py` has PPO of stable-baselines3 in
 place of it.
 
-    pip install "laticauda[learn]" cma
+    pip install . ./plugins/laticauda-gym cma
     python examples/14_learning.py
 """
 
@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.cosim.gym import Pilots
+from laticauda_gym import Pilots
 
 GENERATIONS, CANDIDATES, EPISODES = 20, 16, 4
 envs = gymnasium.make_vec(

@@ -1,6 +1,7 @@
 """The distributions beside laticauda, as installed: only their entry points say that they are there.
 
-An installer needs the index; so their metadata are written here, from their pyproject.toml.
+An installer needs the index; so their metadata are written here, from their pyproject.toml. The shapes that they state
+are checked, as those of laticauda.
 """
 
 import sys
@@ -8,10 +9,14 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from typechecker import check_shapes
 
 from laticauda import extensions
 
 HERE = Path(__file__).parent
+
+for folder in HERE.glob("laticauda-*/src"):
+    check_shapes(folder)
 
 
 def write_metadata(folder: Path, place: Path) -> None:

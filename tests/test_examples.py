@@ -14,7 +14,9 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
 def test_the_example_runs(example: Path, tmp_path: Path):
-    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONWARNINGS": "error"}
+    # Example 14 uses a distribution beside laticauda, which need not be installed for the tests.
+    found = os.pathsep.join([str(ROOT / "plugins/laticauda-gym/src"), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": found, "PYTHONWARNINGS": "error"}
     done = subprocess.run(
         [sys.executable, example], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
     )

@@ -173,7 +173,7 @@ def test_an_upper_bound_has_a_reason():
 
 
 def test_the_extra_all_is_all_but_the_large_ones():
-    large = {"all", "export", "sb3"}
+    large = {"all", "export"}
     extras = PYPROJECT["project"]["optional-dependencies"]
     assert extras["all"] == [f"laticauda[{','.join(extra for extra in extras if extra not in large)}]"]
 
@@ -218,7 +218,7 @@ def test_the_pages_give_the_extras_the_weights_that_were_measured():
     with (ROOT / "campaigns" / "environments.csv").open(newline="", encoding="utf-8") as lines:
         answers = {row["case"]: row["answer"] for row in csv.DictReader(lines)}
     weights = {case.removeprefix("size of "): answer for case, answer in answers.items() if case.startswith("size of ")}
-    assert {*PYPROJECT["project"]["optional-dependencies"], "plain"} - weights.keys() == {"sb3"}
+    assert {*PYPROJECT["project"]["optional-dependencies"], "plain"} == weights.keys()
     for page in ("README.md", "docs/install.md"):
         text = (ROOT / page).read_text(encoding="utf-8")
         shown = dict(re.findall(r"^\|.*`(\w+)` \|.*?(\d+ MB)", text, re.MULTILINE))

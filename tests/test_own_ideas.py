@@ -213,7 +213,7 @@ def test_another_program_drives_them_over_tcp(ideas, gait, water):
 
 
 def test_they_are_learnt_with_in_gymnasium(ideas, gait, water):
-    environments = pytest.importorskip("laticauda.cosim.gym.environments", exc_type=ImportError)
+    environments = pytest.importorskip("laticauda_gym.environments")
     who = {"robot": "mamba", "gait": gait, "environment": water, "joints": ideas.Spring(), "duration": 2.0}
     env = environments.SwimmingEnv("PathFollowing", **who)
     env.reset(options={"y": 0.0, "heading": 0.0, "current_speed": 0.0})

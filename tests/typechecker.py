@@ -10,6 +10,7 @@ import dataclasses
 import functools
 import inspect
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, get_args
 
 import jaxtyping
@@ -18,6 +19,25 @@ from beartype.roar import BeartypeCallHintViolation
 
 check = beartype(conf=BeartypeConf(is_pep484_tower=True))
 _scope = jaxtyping.jaxtyped
+
+
+def check_shapes(sources: Path, *others: str) -> None:
+    """Have shapes checked in modules that are imported from now on: those in a folder of packages that state any.
+
+    Modules that Numba compiles are left alone: the hook wraps functions, and Numba cannot compile the wrapper.
+
+    Args:
+        sources: The folder.
+        others: Further modules.
+    """
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(sources.rglob("*.py"))}
+    names = [
+        ".".join(path.relative_to(sources).with_suffix("").parts).removesuffix(".__init__")
+        for path, text in texts.items()
+        if "from jaxtyping import" in text and "njit" not in text
+    ]
+    jaxtyping.jaxtyped = shaped  # what the hook's decorator is called by
+    jaxtyping.install_import_hook([*names, *others], "typechecker.check")
 
 
 def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:

@@ -12,8 +12,8 @@ from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, read
 from laticauda.errors import BadArgument, LaticaudaError, one_of, whole
 from laticauda.files import write
 from laticauda.quantities import option, quantity, value
+from laticauda_gym.packages import NotInstalled
 from laticauda_swimbench.challenges import CHALLENGES, challenge
-from laticauda_swimbench.packages import NotInstalled
 
 PROGRAM = "swimbench"
 RESULTS = Path(__file__).parent / "results"

@@ -14,12 +14,12 @@ from typing import Any, cast
 
 import laticauda as lc
 from laticauda import codec
-from laticauda.cosim.gym.environments import SwimmingEnv, SwimmingVectorEnv
 from laticauda.errors import one_of
 from laticauda.files import parse_toml
 from laticauda.robot import Robot
 from laticauda.scenarios import Scenario
 from laticauda.scenarios.toml import run_from_table
+from laticauda_gym.environments import SwimmingEnv, SwimmingVectorEnv
 from laticauda_swimbench.task import Swim
 
 FOLDER = Path(__file__).parent / "scenarios"

@@ -17,12 +17,12 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
-from laticauda.cosim.gym import Episodes, Pilots
 from laticauda.errors import BadArgument, one_of
 from laticauda.files import read_toml
+from laticauda_gym import Episodes, Pilots
+from laticauda_gym.packages import needed
 from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import CHALLENGES, Challenge
-from laticauda_swimbench.packages import needed
 from laticauda_swimbench.task import Swim
 
 HERE = Path(__file__).parent

@@ -16,10 +16,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.cosim.gym import Episodes
 from laticauda.errors import LaticaudaError
 from laticauda.files import read_text, read_toml, to_json
 from laticauda.packaging import __version__
+from laticauda_gym import Episodes
 from laticauda_swimbench.challenges import CHALLENGES, Challenge, challenge
 from laticauda_swimbench.methods import Method, method
 from laticauda_swimbench.task import Swim

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from laticauda_gym.packages import needed
 from laticauda_swimbench.challenges import Challenge, challenge
 from laticauda_swimbench.methods import Method, law_pilot, method
-from laticauda_swimbench.packages import needed
 from laticauda_swimbench.scoring import results
 
 TUNING = 2_000_000

@@ -2,10 +2,10 @@
 
 import math
 
-from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
-from laticauda.cosim.gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 from laticauda.errors import BadArgument
 from laticauda.quantities import quantity, value
+from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
+from laticauda_gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 
 _UNIT_POWER = 100.0  # what is seen as 1 [W]
 

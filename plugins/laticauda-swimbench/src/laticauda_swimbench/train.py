@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cosim.gym import SwimmingVectorEnv
 from laticauda.errors import one_of
+from laticauda_gym import SwimmingVectorEnv
+from laticauda_gym.packages import needed
 from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import challenge
-from laticauda_swimbench.packages import needed
 
 SETTINGS: dict[str, dict[str, Any]] = {
     # Steps per robot and update, and a smaller spread at first, as in the comparison of path following.
@@ -55,7 +55,7 @@ def lanes(name: str, n: int) -> Any:
         n: How many; shared out among its tasks.
     """
     needed("Training", "stable-baselines3", "stable_baselines3")
-    from laticauda.cosim.gym import StableBaselines
+    from laticauda_gym import StableBaselines
 
     tasks = challenge(name).tasks
     shares = [

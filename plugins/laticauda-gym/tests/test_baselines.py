@@ -1,6 +1,5 @@
 """What stable-baselines3 sees of the lanes. CI does not have it: it brings torch along."""
 
-import builtins
 import importlib
 import sys
 
@@ -8,26 +7,19 @@ import numpy as np
 import pytest
 from rendering import skip_without_rendering
 
-from laticauda.cosim.gym import SwimmingVectorEnv
-from laticauda.errors import MissingExtra
+from laticauda_gym import SwimmingVectorEnv
+from laticauda_gym.packages import NotInstalled
 
 
 def test_who_lacks_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch):
-    real = builtins.__import__
-
-    def without(name: str, *rest: object):
-        if name.startswith("stable_baselines3"):
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.delitem(sys.modules, "laticauda.cosim.gym.baselines", raising=False)
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(MissingExtra, match=r'needs stable-baselines3; run `pip install "laticauda\[sb3\]"`'):
-        importlib.import_module("laticauda.cosim.gym.baselines")
+    monkeypatch.delitem(sys.modules, "laticauda_gym.baselines", raising=False)
+    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
+    with pytest.raises(NotInstalled, match="needs stable-baselines3; run `pip install stable-baselines3`"):
+        importlib.import_module("laticauda_gym.baselines")
 
 
 def lanes(n: int = 3, **settings):
-    baselines = importlib.import_module("laticauda.cosim.gym.baselines")
+    baselines = importlib.import_module("laticauda_gym.baselines")
     return baselines.StableBaselines(SwimmingVectorEnv(n, autoreset_mode="SameStep", duration=1.0, **settings))
 
 
@@ -77,9 +69,10 @@ def test_its_own_door_makes_environments_and_records_them():
 
 
 def test_another_way_from_episode_to_episode_is_refused():
-    from laticauda.cosim.gym import StableBaselines
+    from laticauda_gym import StableBaselines
 
-    with pytest.raises(ValueError, match=r"`envs\.autoreset_mode` must be `SameStep`, got 'NextStep'"):
+    where = r"as in `SwimmingVectorEnv\(64, autoreset_mode=\"SameStep\"\)`"
+    with pytest.raises(ValueError, match=rf"`envs\.autoreset_mode` must be `SameStep`, {where}, got 'NextStep'"):
         StableBaselines(SwimmingVectorEnv(2))
     with pytest.raises(ValueError, match="`envs` must be of class SwimmingVectorEnv, got int"):
         StableBaselines(3)

@@ -1,4 +1,4 @@
-"""Packages that only some of the benchmark needs."""
+"""Packages that are needed by a part alone: of these environments, or of what stands on them."""
 
 from importlib import import_module
 from typing import Any

@@ -12,10 +12,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import interfaces, robot
-from laticauda.cosim.gym.swimming import FLOW, Step, Swimming
 from laticauda.dynamics.school import Motion
 from laticauda.errors import BadArgument, finite, one_of
 from laticauda.simulate.plants import school_of
+from laticauda_gym.swimming import FLOW, Step, Swimming
 
 BOUND = 10.0
 """Numbers of an observation are cut off there [-]."""

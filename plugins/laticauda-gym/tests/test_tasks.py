@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 import laticauda as lc
-from laticauda.cosim.gym import Efficiency, PathFollowing, Pilots, StationKeeping, Step
-from laticauda.cosim.gym.episodes import BOUND, Episodes
-from laticauda.cosim.gym.tasks import log_square
+from laticauda_gym import Efficiency, PathFollowing, Pilots, StationKeeping, Step
+from laticauda_gym.episodes import BOUND, Episodes
+from laticauda_gym.tasks import log_square
 
 TASKS = [PathFollowing(), Efficiency(), StationKeeping()]
 NAMES = [type(task).__name__ for task in TASKS]

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes, ranges
 from laticauda.errors import BadArgument, positive
 from laticauda.quantities import quantities_of, quantity, value
+from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes, ranges
 
 HEADING_RATE = Sight(name="heading_rate", of=lambda step: step.after.heading_rate)
 ALONG = Sight(name="velocity_along", of=lambda step: step.velocity[0], unit=0.1)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cosim.gym.environments import SwimmingVectorEnv
-from laticauda.errors import BadArgument, MissingExtra, instance
+from laticauda.errors import BadArgument, instance
+from laticauda_gym.environments import SwimmingVectorEnv
+from laticauda_gym.packages import needed
 
-try:
-    from stable_baselines3.common.vec_env.base_vec_env import VecEnv
-except ImportError as error:
-    raise MissingExtra("Learning with stable-baselines3", "stable-baselines3", "sb3") from error
+needed("Learning with stable-baselines3", "stable-baselines3", "stable_baselines3")
+
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv  # noqa: E402 - first it is said where it comes from
 
 
 class StableBaselines(VecEnv):
@@ -24,6 +24,7 @@ class StableBaselines(VecEnv):
 
     Raises:
         ValueError: If they were not.
+        NotInstalled: Where this module is imported without stable-baselines3.
 
     Example:
         ``PPO("MlpPolicy", StableBaselines(SwimmingVectorEnv(64, autoreset_mode="SameStep")), seed=0)``
@@ -32,7 +33,9 @@ class StableBaselines(VecEnv):
     def __init__(self, envs: SwimmingVectorEnv) -> None:
         instance("envs", envs, SwimmingVectorEnv)
         if envs.autoreset_mode.value != "SameStep":
-            raise BadArgument("envs.autoreset_mode", f"must be `SameStep`, got {envs.autoreset_mode.value!r}")
+            advice = 'as in `SwimmingVectorEnv(64, autoreset_mode="SameStep")`'
+            got = envs.autoreset_mode.value
+            raise BadArgument("envs.autoreset_mode", f"must be `SameStep`, {advice}, got {got!r}")
         self.envs, self.render_mode = envs, envs.render_mode
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 

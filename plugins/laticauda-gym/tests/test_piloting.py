@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cosim.gym import PathFollowing, Pilots, SwimmingVectorEnv, swimmer
+from laticauda_gym import PathFollowing, Pilots, SwimmingVectorEnv, swimmer
 
 TASK = PathFollowing(scenario=swimmer(duration=30.0))
 

@@ -14,10 +14,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from laticauda import codec, scenarios
-from laticauda.cosim.gym.episodes import BOUND, Episodes
-from laticauda.cosim.gym.swimming import Swimming, swimmer
-from laticauda.cosim.gym.tasks import Efficiency, PathFollowing, StationKeeping
 from laticauda.errors import BadArgument, one_of, whole
+from laticauda_gym.episodes import BOUND, Episodes
+from laticauda_gym.swimming import Swimming, swimmer
+from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
 OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(scenarios.Changes))

@@ -1,0 +1,46 @@
+"""Gymnasium environments of swimming robots; importing this registers them.
+
+    import gymnasium
+    import laticauda_gym
+    envs = gymnasium.make_vec("laticauda/PathFollowing-v0", num_envs=64)
+
+or, in one go, ``gymnasium.make("laticauda_gym:laticauda/PathFollowing-v0")``.
+"""
+
+from typing import TYPE_CHECKING
+
+from gymnasium.envs import registration
+
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda_gym.baselines import StableBaselines as StableBaselines
+    from laticauda_gym.environments import SwimmingEnv as SwimmingEnv, SwimmingVectorEnv as SwimmingVectorEnv
+    from laticauda_gym.episodes import Episodes as Episodes, Pilots as Pilots
+    from laticauda_gym.swimming import (
+        Range as Range,
+        Sight as Sight,
+        Step as Step,
+        Swimming as Swimming,
+        swimmer as swimmer,
+    )
+    from laticauda_gym.tasks import (
+        Efficiency as Efficiency,
+        PathFollowing as PathFollowing,
+        StationKeeping as StationKeeping,
+    )
+
+IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")
+"""What Gymnasium calls them."""
+
+for _id in IDS:
+    if _id not in registration.registry:
+        registration.register(
+            id=_id,
+            entry_point="laticauda_gym.environments:SwimmingEnv",
+            vector_entry_point="laticauda_gym.environments:SwimmingVectorEnv",
+            kwargs={"task": _id.removeprefix("laticauda/").removesuffix("-v0")},
+        )
+
+# Kernels are imported when an environment is made.
+__getattr__, __dir__, __all__ = lazy_exports("IDS")
