@@ -1,4 +1,4 @@
-"""What `make quick` looks at: files of the package that differ from the last landing, and the tests of their packages.
+"""What `make quick` looks at: sources that differ from the last landing, and the tests of their packages or plugins.
 
     python tests/changed.py sources|tests [BASE]
 
@@ -32,6 +32,8 @@ def tests_of(paths: list[Path]) -> list[Path]:
         if path.parts[:2] == ("src", "laticauda"):
             place = Path("tests", *path.parts[2:3])
             found.add(place if len(path.parts) > 3 else place.with_name(f"test_{path.name}"))
+        elif path.parts[0] == "plugins":
+            found.add(Path(*path.parts[:2], "tests"))
         elif path.parts[0] == "tests" and path.name.startswith("test_"):
             found.add(path)
     return sorted(path for path in found if (ROOT / path).exists())
@@ -41,7 +43,7 @@ def main() -> None:
     """Print what was asked for."""
     what, *rest = sys.argv[1:]
     paths = changed(rest[0] if rest else None)
-    sources = [path for path in paths if path.parts[0] == "src"]
+    sources = [path for path in paths if "src" in path.parts[:3]]  # of a plugin, too
     sys.stdout.writelines(f"{path}\n" for path in (tests_of(paths) if what == "tests" else sources))
 
 

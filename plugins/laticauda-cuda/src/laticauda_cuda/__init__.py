@@ -5,7 +5,7 @@ threads read neighboring numbers. sin, cos and exp are those of CUDA, and its co
 additions in its own way: results agree with the processor's to rounding, not to the last digit.
 """
 
-# pyright: basic
+# pyright: basic, reportMissingImports=false
 
 import functools
 import math

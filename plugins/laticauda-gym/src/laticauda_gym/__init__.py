@@ -7,6 +7,8 @@
 or, in one go, ``gymnasium.make("laticauda_gym:laticauda/PathFollowing-v0")``.
 """
 
+# pyright: reportUnknownMemberType=false
+
 from typing import TYPE_CHECKING
 
 from gymnasium.envs import registration
@@ -14,6 +16,7 @@ from gymnasium.envs import registration
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda_gym.abreast import Abreast as Abreast
     from laticauda_gym.baselines import StableBaselines as StableBaselines
     from laticauda_gym.environments import SwimmingEnv as SwimmingEnv, SwimmingVectorEnv as SwimmingVectorEnv
     from laticauda_gym.episodes import Episodes as Episodes, Pilots as Pilots
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
         PathFollowing as PathFollowing,
         StationKeeping as StationKeeping,
     )
+    from laticauda_gym.together import SwimmingParallelEnv as SwimmingParallelEnv
 
 IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")
 """What Gymnasium calls them."""

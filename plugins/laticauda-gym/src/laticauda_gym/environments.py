@@ -4,7 +4,7 @@
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -20,9 +20,10 @@ from laticauda_gym.swimming import Swimming, swimmer
 from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
+TaskType = TypeVar("TaskType", bound=Swimming)
 OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(scenarios.Changes))
 """What may be given of the scenario, by name."""
-_NOT_BEGUN = "`reset` must be called before the first `step`."
+NOT_BEGUN = "`reset` must be called before the first `step`."
 
 
 def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
@@ -39,7 +40,19 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
         if settings:
             raise BadArgument("task", f"must be a name where fields of it are given, got {task} and {set(settings)}")
         return task
-    kind = TASKS[one_of("task", task, tuple(TASKS))]
+    return decoded(TASKS[one_of("task", task, tuple(TASKS))], settings)
+
+
+def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
+    """A task by its fields.
+
+    Args:
+        kind: Of the task.
+        settings: As for `task_of`.
+
+    Raises:
+        ValueError: If there is no such field, or one is out of its range.
+    """
     fields = {name: one for name, one in settings.items() if name not in OF_SCENARIO}
     if len(fields) < len(settings):
         if "scenario" in fields:
@@ -51,13 +64,26 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
         raise BadArgument(bad.key, bad.rule) from None
 
 
-def _spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
-    """Of observations and of actions."""
+def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Of observations and of actions of one robot.
+
+    Args:
+        task: What it is to do.
+    """
     sees = gymnasium.spaces.Box(-BOUND, BOUND, (len(task.sights),), np.float64)
     return sees, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float64)
 
 
-def _checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
+def checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
+    """Actions as an array.
+
+    Args:
+        actions: What was given.
+        shape: That they must have.
+
+    Raises:
+        ValueError: If they have another shape or are not finite.
+    """
     try:
         numbers = np.asarray(actions, dtype=float)
     except (TypeError, ValueError):
@@ -118,7 +144,7 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
     ) -> None:
         self._set_up(task_of(task, settings), 1, render_mode)
-        self.observation_space, self.action_space = _spaces(self.task)
+        self.observation_space, self.action_space = spaces(self.task)
         self._has_begun = False
 
     def reset(
@@ -154,8 +180,8 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
             ValueError: If the action has another shape or is not finite.
         """
         if not self._has_begun:
-            raise ResetNeeded(_NOT_BEGUN)
-        done = self.episodes.step(_checked(action, self.action_space.shape or ())[np.newaxis])
+            raise ResetNeeded(NOT_BEGUN)
+        done = self.episodes.step(checked(action, self.action_space.shape or ())[np.newaxis])
         info = self._info(done.power.item())
         return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
 
@@ -205,7 +231,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         self.num_envs = whole("num_envs", num_envs, 1)
         self._set_up(task_of(task, settings), self.num_envs, render_mode, threads)
         self.metadata["autoreset_mode"] = self.autoreset_mode
-        self.single_observation_space, self.single_action_space = _spaces(self.task)
+        self.single_observation_space, self.single_action_space = spaces(self.task)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._generators: list[np.random.Generator] = []
@@ -231,7 +257,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         which = self._mask(given.pop("reset_mask", np.full(self.num_envs, True)))
         if not self._generators:
             if not which.all():
-                raise ResetNeeded(_NOT_BEGUN)
+                raise ResetNeeded(NOT_BEGUN)
             self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
         for lane, one in enumerate(self._seeds(seed)):
             if one is not None and which[lane]:
@@ -253,12 +279,12 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
                 next one.
         """
         if not self._generators:
-            raise ResetNeeded(_NOT_BEGUN)
+            raise ResetNeeded(NOT_BEGUN)
         waiting = self._is_over
         if self.autoreset_mode is AutoresetMode.DISABLED and waiting.any():
             lanes = np.flatnonzero(waiting).tolist()
             raise BadArgument("reset", f"must be called with a `reset_mask` for the lanes that are over, {lanes}")
-        done = self.episodes.step(_checked(actions, self.action_space.shape or ()))
+        done = self.episodes.step(checked(actions, self.action_space.shape or ()))
         self._observation, infos = done.observation, {}
         reward, terminated, truncated = done.reward, done.terminated, done.truncated
         if self.autoreset_mode is AutoresetMode.SAME_STEP:

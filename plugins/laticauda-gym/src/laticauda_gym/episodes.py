@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import interfaces, robot
-from laticauda.dynamics.school import Motion
+from laticauda.dynamics.school import Motion, School
 from laticauda.errors import BadArgument, finite, one_of
 from laticauda.simulate.plants import school_of
 from laticauda_gym.swimming import FLOW, Step, Swimming
@@ -44,14 +44,18 @@ class Episodes:
         task: What they are to do.
         n: How many.
         threads: That march them; None: one for planar robots, one for every core for those in space.
+        school: What they are to one another; None: each is in water of its own.
 
     Raises:
         ValueError: If an argument is out of its range.
     """
 
-    def __init__(self, task: Swimming, n: int, *, threads: int | None = None) -> None:
+    def __init__(
+        self, task: Swimming, n: int, *, threads: int | None = None, school: type[School[Any]] | None = None
+    ) -> None:
         self.task = task
-        self.school = school_of(task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads)
+        make = school or school_of
+        self.school = make(task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads)
         """Who is at the task; its `plant` is what each of them is."""
         self.n = self.school.n
         """How many lanes there are."""
@@ -109,7 +113,7 @@ class Episodes:
         x, y, heading, speed, direction = (self._drawn.get(name, zero)[lanes] for name in names)
         self.school.place(
             lanes,
-            center_of_mass=np.stack((x, y), axis=1),
+            center_of_mass=self.task.origins(self.n)[lanes] + np.stack((x, y), axis=1),
             heading=heading,
             current=np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1)
             if self.task.flow is None

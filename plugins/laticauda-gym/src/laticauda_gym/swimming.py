@@ -191,6 +191,10 @@ class Swimming(ABC):
     def draws(self) -> tuple[Range, ...]:
         """What every episode draws, evenly, and in this order."""
 
+    def origins(self, n: int) -> Float[np.ndarray, "n 2"]:
+        """From where the places are counted that episodes draw, of `n` robots [m]."""
+        return np.zeros((n, 2))
+
     @property
     @abstractmethod
     def sights(self) -> tuple[Sight, ...]:

@@ -1,0 +1,144 @@
+"""Several robots that swim abreast: the task, and the one scene that they are in."""
+
+# pyright: reportPrivateUsage=false
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.dynamics import school
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Scenario, Spatial
+from laticauda.spatial.school import School, Together
+from laticauda_gym.swimming import Numbers, Range, Sight, Step, in_body_axes, ranges, swimmer
+from laticauda_gym.tasks import BESIDE_THE_PATH, Steered, check_ends, log_square
+
+OPEN = Spatial(scene="open")  # pyright: ignore[reportArgumentType]  # its name becomes the scene
+
+
+class OneScene(School):
+    """Robots of one plant that are in one scene and touch one another. Arguments are those of the base."""
+
+    usual_threads = 1
+
+    def _begin(self, threads: int) -> Sequence[range]:
+        shares = super()._begin(1)
+        self._together = Together(self._bodies)
+        return shares
+
+    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Any) -> None:
+        super()._place(which, center_of_mass, heading, current)
+        self._together.plants = self._bodies  # which know the water of this episode
+        self._together.check(self._states)
+
+    def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
+        gaits = [replace(self.command.gait, **dict(zip(school.TOLD, one, strict=True))) for one in told.T.tolist()]
+        commands = [replace(self.command, gait=gait, offset=0.0) for gait in gaits]
+        self._states, _, failure = self._together.march(self._states, commands, duration, duration)
+        return np.full(self.n, failure is None)
+
+
+@value
+class Abreast(Steered):
+    """Swim along lines that are side by side, abreast, without touching, in a current that is not seen.
+
+        r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + ln(1 + (d/d_1)^2) + P/P_1 + T)
+
+    e is the distance from the robot's own line, d how far it is ahead of the mean of all, T `touch_cost` while it
+    touches something. Actions are what steering adds, and the frequency.
+
+    Raises:
+        ValueError: If a field is out of its range, an offset could take a joint beyond its limit, or there is no scene.
+    """
+
+    scenario: Scenario = option(
+        "Who swims where, how long; episodes have starts and currents", default_factory=partial(swimmer, model=OPEN)
+    )
+    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
+    spacing: float = quantity("m", "Between two lines", gt=0.0, default=0.8)
+    max_cross_track_error: float = quantity("m", "At the start, to either side of the line", ge=0.0, default=0.1)
+    max_lead: float = quantity("m", "At the start, ahead or behind", ge=0.0, default=0.5)
+    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(10.0))
+    cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
+    lead_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
+    speed_unit: float = quantity("m/s", "v_1, speed along the line that is worth 1 per second", gt=0.0, default=0.1)
+    touch_cost: float = quantity("1/s", "T, while a robot touches something", ge=0.0, default=10.0)
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        super().__post_init__()
+        check_ends(self, "frequencies")
+        model = self.scenario.model
+        if not isinstance(model, Spatial) or model.scene is None:
+            raise BadArgument("scenario.model", "must be a `Spatial` with a `scene`, as `open`, for robots that meet")
+
+    @property
+    def actions(self) -> tuple[Range, ...]:
+        """Offset and frequency."""
+        return super().actions + ranges(frequency=self.frequencies)
+
+    @property
+    def shared(self) -> tuple[Range, ...]:
+        """What an episode draws once for all: the current, or what there is to be drawn of the water's flow."""
+        return super().draws
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """Where a robot begins, seen from the begin of its line, in which water."""
+        x, y, heading = self.max_lead, self.max_cross_track_error, self.max_heading
+        return ranges(x=(-x, x), y=(-y, y), heading=(-heading, heading)) + self.shared
+
+    def origins(self, n: int) -> Float[np.ndarray, "n 2"]:
+        """The lines, from right to left, around the x axis."""
+        return np.stack((np.zeros(n), self.spacing * (np.arange(n) - 0.5 * (n - 1))), axis=1)
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """Place beside the own line, heading to it, velocity; the lead; the nearest other robot; the gait."""
+        return (
+            Sight(name="cross_track_error", of=self._error),
+            *BESIDE_THE_PATH[1:],
+            Sight(name="lead", of=_lead),
+            Sight(name="nearest_along", of=lambda step: _nearest(step)[0]),
+            Sight(name="nearest_across", of=lambda step: _nearest(step)[1]),
+            Sight(name="touches", of=_touches),
+            *super().sights,
+            Sight(name="frequency", of=lambda step: step.after.frequency, unit=self.frequencies[1]),
+        )
+
+    def reward(self, step: Step) -> Numbers:
+        """Progress along the line, less what `step` cost: distance from it, from the others' middle, power, touch."""
+        error = log_square(self._error(step), self.cross_track_tolerance)
+        lead = log_square(_lead(step), self.lead_tolerance)
+        progress = (step.after.x - step.before.x) / self.speed_unit
+        cost = error + lead + step.power / self.power_unit + self.touch_cost * _touches(step)
+        return progress - step.interval * cost
+
+    def _error(self, step: Step) -> Numbers:
+        return step.after.y - self.origins(len(step.after.y))[:, 1]
+
+
+def _lead(step: Step) -> Numbers:
+    """How far each is ahead of the mean of all, along the lines [m]."""
+    return step.after.x - step.after.x.mean()
+
+
+def _nearest(step: Step) -> tuple[Numbers, Numbers]:
+    """Where the center of mass of the nearest other robot is, along the own heading and to the left of it [m]."""
+    x = step.after.x - step.after.x[:, np.newaxis]
+    y = step.after.y - step.after.y[:, np.newaxis]
+    distance = np.hypot(x, y)
+    np.fill_diagonal(distance, np.inf)
+    own, nearest = np.arange(len(x)), distance.argmin(axis=1)
+    return in_body_axes(step.after, x[own, nearest], y[own, nearest])
+
+
+def _touches(step: Step) -> Numbers:
+    """1 for a robot on which contacts push at the end of the step, else 0."""
+    return np.array([float(np.any(one.contact_force)) for one in step.after.observations])

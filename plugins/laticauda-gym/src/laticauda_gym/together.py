@@ -1,0 +1,135 @@
+"""The door of PettingZoo: several robots in one scene, which see and touch one another, each an agent of its own."""
+
+# pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
+# pyright: reportUntypedBaseClass=false, reportUnknownArgumentType=false
+
+import warnings
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
+from gymnasium.utils.seeding import np_random
+
+from laticauda.errors import BadArgument, whole
+from laticauda_gym.abreast import OPEN, Abreast, OneScene
+from laticauda_gym.environments import NOT_BEGUN, checked, decoded, spaces
+from laticauda_gym.episodes import Episodes
+from laticauda_gym.packages import needed
+
+needed("Learning with PettingZoo", "pettingzoo")
+
+from pettingzoo import ParallelEnv  # noqa: E402 - first it is said where it comes from
+
+
+class SwimmingParallelEnv(ParallelEnv):
+    """Several robots that swim abreast in one scene; a parallel environment of PettingZoo.
+
+    Agents are `robot_0`, the rightmost one, `robot_1` and so on. They begin and end at the same time: if one of them
+    diverges, the episode is over for all.
+
+    Args:
+        n_robots: How many.
+        task: What they are to do; None: `Abreast` with the `settings`.
+        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+
+    metadata: dict[str, Any] = {"name": "laticauda_abreast_v0", "render_modes": []}  # noqa: RUF012 - for PettingZoo
+
+    def __init__(self, n_robots: int = 3, *, task: Abreast | None = None, **settings: Any) -> None:
+        n = whole("n_robots", n_robots, 2)
+        if task is not None and settings:
+            raise BadArgument("task", f"must be None where fields of it are given, got {task} and {set(settings)}")
+        scene = {} if "scenario" in settings else {"model": OPEN}
+        self.task = decoded(Abreast, scene | settings) if task is None else task
+        self.episodes = Episodes(self.task, n, school=OneScene)
+        self.possible_agents = [f"robot_{i}" for i in range(n)]
+        self.agents: list[str] = []
+        self.render_mode = None
+        sees, acts = spaces(self.task)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, sees)
+        self.action_spaces = dict.fromkeys(self.possible_agents, acts)
+        self._generators: list[np.random.Generator] = []
+
+    def observation_space(self, agent: str) -> Box:
+        """Of one agent: that of all."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Box:
+        """Of one agent: that of all."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
+        """Begin an episode.
+
+        Args:
+            seed: Of what the episodes from now on draw; None: go on.
+            options: What is not to be drawn, by its name in the task's `draws`, a number or one for each robot [SI];
+                others are left out with a warning, as PettingZoo's own test hands some in.
+
+        Returns:
+            Observations, and where the robots are in SI units, by agent.
+
+        Raises:
+            ValueError: If an option is no finite number, or robots would begin in one another.
+        """
+        if seed is not None or not self._generators:
+            self._generators = np_random(seed)[0].spawn(self.episodes.n)
+        given = {draw.name: draw.at(self._generators[0].random(1)).item() for draw in self.task.shared}
+        for name, option in (options or {}).items():
+            if name in self.episodes.drawn:
+                given[name] = option
+            else:
+                warnings.warn(f"`options` has {name!r}, which no episode draws; it is left out", stacklevel=2)
+        self.episodes.begin(np.full(self.episodes.n, True), self._generators, given)
+        self.agents = list(self.possible_agents)
+        return self._by_agent(self.episodes.seen), self._infos(np.zeros(self.episodes.n))
+
+    def step(self, actions: dict[str, np.ndarray]) -> tuple[dict[str, Any], ...]:
+        """Let one interval go by.
+
+        Args:
+            actions: What is asked for, from -1 to 1, by agent [-].
+
+        Returns:
+            Observations, rewards, whether the motion has diverged, whether the time is over, where the robots are; by
+            agent.
+
+        Raises:
+            ValueError: If an action is missing, has another shape, or is not finite.
+        """
+        if not self.agents:
+            raise ResetNeeded(NOT_BEGUN)
+        if missing := [agent for agent in self.agents if agent not in actions]:
+            raise BadArgument("actions", f"must have one for each agent, got none for {missing}")
+        of_one = self.action_spaces[self.agents[0]].shape
+        done = self.episodes.step(np.stack([checked(actions[agent], of_one) for agent in self.agents]))
+        told = (done.observation, done.reward.tolist(), done.terminated.tolist(), done.truncated.tolist())
+        found = (*map(self._by_agent, told), self._infos(done.power))
+        if done.terminated.any() or done.truncated.any():
+            self.agents = []
+        return found
+
+    def render(self) -> None:
+        """Nothing is drawn."""
+
+    def close(self) -> None:
+        """Let threads go."""
+        self.episodes.school.close()
+
+    def _by_agent(self, values: Any) -> dict[str, Any]:
+        return dict(zip(self.possible_agents, values, strict=True))
+
+    def _infos(self, power: np.ndarray) -> dict[str, dict[str, Any]]:
+        motion = self.episodes.motion
+        rows = zip(*(values.tolist() for values in (motion.x, motion.y, motion.heading, power)), strict=True)
+        return self._by_agent([dict(zip(("x", "y", "heading", "power"), row, strict=True)) for row in rows])
+
+
+parallel_env = SwimmingParallelEnv
+"""What modules of PettingZoo call theirs."""
