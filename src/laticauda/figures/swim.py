@@ -46,10 +46,8 @@ def speed(trial: Trial, ax: Axes) -> Axes:
         trial: Any trial, a failed one too.
         ax: Where to draw.
     """
-    ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
-    forward = np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
+    forward, mean = speeds(trial)
     ax.plot(trial.time, forward, color=style.BLUE, linewidth=style.THIN, label="forward")
-    mean = _cycle_mean_speed(trial)
     if mean is not None:
         ax.plot(*mean, color=style.INK, linewidth=1.4, label="mean over a cycle")
     measured = measured_counterpart(trial)
@@ -59,6 +57,16 @@ def speed(trial: Trial, ax: Axes) -> Axes:
     _from_to(ax, trial.time)
     _add_legend(ax, forward[trial.time.size // 5 :])
     return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")
+
+
+def speeds(trial: Trial) -> tuple[Series, tuple[Series, Series] | None]:
+    """Forward speed at every sample [m/s]; times [s] and means over the cycle around each, None without a whole cycle.
+
+    Args:
+        trial: Any trial, a failed one too.
+    """
+    ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
+    return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1), _cycle_mean_speed(trial)
 
 
 def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
