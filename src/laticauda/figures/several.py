@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from laticauda.figures import style
-from laticauda.figures.swim import speeds
+from laticauda.figures.swim import cycle_mean_speed, forward_speed
 from laticauda.trial import Trial
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ SHOWN = {"forward_velocity": "forward velocity", "cost_of_transport": "cost of t
 """What of a sweep is drawn, and what an axis calls it."""
 HEIGHT = 3.0  # of a figure, beside its legend or head [in]
 ROW = 0.2  # of a legend [in]
-CLEAR = 3.0  # a color scale that ends at a tenth of this of the largest would show nothing of the rest
+CLEAR = 3.0  # a largest value that is so many times what nine tenths of all keep below would leave these dark
 MOST_MARKS = 40  # of points on a line
 
 
@@ -38,10 +38,10 @@ def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
     path, velocity = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
     for trial, name, (color, dashes) in zip(trials, names, itertools.cycle(_looks()), strict=False):
         look: Any = {"color": color, "linestyle": dashes, "linewidth": style.LINE}
-        forward, mean = speeds(trial)
+        mean = cycle_mean_speed(trial)
         path.plot(*trial.center_of_mass[:, :2].T, **look, label=name)
         path.plot(*trial.center_of_mass[-1, :2], **style.points("o", 3.5, color))
-        velocity.plot(*((trial.time, forward) if mean is None else mean), **look)
+        velocity.plot(*((trial.time, forward_speed(trial)) if mean is None else mean), **look)
     path.set_aspect("equal", adjustable="datalim")
     style.outside_legend(figure, path.get_legend_handles_labels()[0], "outside lower left", ncols=2)
     style.dress(path, xlabel="x [m]", ylabel="y [m]")
@@ -87,7 +87,7 @@ def _plane(found: "xarray.Dataset") -> tuple["xarray.Dataset", list[str], str]:
     speed = np.nan_to_num(found.forward_velocity.to_numpy(), nan=-np.inf)
     best = dict(zip(found.dims, np.unravel_index(int(np.argmax(speed)), speed.shape), strict=True))
     plane = found.isel({name: int(i) for name, i in best.items() if name not in shown})
-    said = ", ".join(f"{_label(plane, name)} = {_read(plane, name):.4g}" for name in others)
+    said = ", ".join(f"{_label(plane, name)} {_read(plane, name):.4g}" for name in others)
     return plane, shown, f"through the fastest point, {said}"
 
 

@@ -46,7 +46,7 @@ def speed(trial: Trial, ax: Axes) -> Axes:
         trial: Any trial, a failed one too.
         ax: Where to draw.
     """
-    forward, mean = speeds(trial)
+    forward, mean = forward_speed(trial), cycle_mean_speed(trial)
     ax.plot(trial.time, forward, color=style.BLUE, linewidth=style.THIN, label="forward")
     if mean is not None:
         ax.plot(*mean, color=style.INK, linewidth=1.4, label="mean over a cycle")
@@ -59,14 +59,14 @@ def speed(trial: Trial, ax: Axes) -> Axes:
     return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")
 
 
-def speeds(trial: Trial) -> tuple[Series, tuple[Series, Series] | None]:
-    """Forward speed at every sample [m/s]; times [s] and means over the cycle around each, None without a whole cycle.
+def forward_speed(trial: Trial) -> Series:
+    """Speed along the heading at every sample [m/s].
 
     Args:
         trial: Any trial, a failed one too.
     """
     ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
-    return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1), _cycle_mean_speed(trial)
+    return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
 
 
 def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
@@ -179,8 +179,12 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
     bar.outline.set_visible(False)
 
 
-def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
-    """Times and displacement over the cycle around each / its duration; None where there is no whole cycle."""
+def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
+    """Times [s] and displacement over the cycle around each / its duration [m/s]; None where there is no whole cycle.
+
+    Args:
+        trial: Any trial, a failed one too.
+    """
     if trial.period is None:
         return None
     try:
