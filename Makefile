@@ -80,7 +80,7 @@ docs: $(DOCS)  ## Build the documentation into site/
 	@$(BIN)/python docs/make_gallery.py
 	@$(BIN)/python docs/make_notebooks.py
 	@PYTHONPATH=. $(BIN)/zensical build --clean --strict
-	@$(BIN)/laticauda export web site/swim
+	@$(BIN)/laticauda export web --output site/swim
 
 bench: $(PACKAGE)  ## Speed, one script per question
 	@for script in benchmarks/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done

@@ -156,7 +156,7 @@ TYPED = (
     ("follow", "--duration", "0.1", "--path", "0", "0", "1", "0"),
     ("sweep", "--duration", "0.1", "--vary", "amplitude-deg=10,20"),
     ("optimize", "--duration", "0.1", "--budget", "1"),
-    ("export", "fmu", "x.fmu"),
+    ("export", "fmu", "--output", "x.fmu"),
     ("cockpit", "--port", "-1"),
 )  # fmt: skip
 NUMBERS = (
@@ -199,10 +199,10 @@ FILES = (
     ("trial", "show", "good.csv", "--columns"),
     ("swim", "--duration", "0.1", "--resume"),
     ("replay",),
-    ("export", "mjcf", "x.xml", "--robot"),
-    ("export", "urdf", "x.urdf", "--robot"),
-    ("export", "c", "x.so", "--robot"),
-    ("export", "web", "page", "--robots"),
+    ("export", "mjcf", "--output", "x.xml", "--robot"),
+    ("export", "urdf", "--output", "x.urdf", "--robot"),
+    ("export", "c", "--output", "x.h", "--robot"),
+    ("export", "web", "--output", "page", "--robots"),
 )
 
 
@@ -568,7 +568,10 @@ def tasks(rng: random.Random) -> Iterator[Case]:
         yield Case("tasks", f"{' '.join(words)} {odd}", work)
 
 
-EXPORTS = ("export mjcf x.xml", "export urdf x.urdf", "export fmu x.fmu", "export c x.h", "export web page")
+EXPORTS = tuple(
+    f"export {kind} --output {name}"
+    for kind, name in {"mjcf": "x.xml", "urdf": "x.urdf", "fmu": "x.fmu", "c": "x.h", "web": "page"}.items()
+)
 NAMES = ("", "a b", 'a"b', "a*/b", "</script>", "\u202e", "x" * 3000, "../x", "int", "1", "%s%n", "a\\nb", "${x}")
 
 

@@ -61,7 +61,7 @@ BAD = {
     "swim --reference-speed 1e7": "--reference-speed must be <= 10000 m/s, got 10000000.0",
     "sweep --vary amplitude-deg=10,20 --output s3://bucket/x": "s3://bucket/x: is an address; give a path on this",
     "optimize --vary amplitude-deg=10:20 --output memory://x": "memory://x: is an address; give a path on this",
-    "export web memory://x": "memory://x: is an address; give a path on this computer",
+    "export web --output memory://x": "memory://x: is an address; give a path on this computer",
     "trial show s3://a/b.nc": "s3://a/b.nc: is an address; give a path on this computer",
     "swim --density 0": "--density must be > 0 kg/m^3, got 0",
     "swim --tangential-friction -1": "--tangential-friction must be >= 0, got -1",
@@ -95,7 +95,7 @@ BAD = {
     "swim --added-mass-form Relative": "('relative', 'kirchhoff', 'classic')",
     # files
     "swim --save nofolder/run.nc": "--save must be a file in a folder that exists, got nofolder/run.nc.",
-    "swim --save run.txt": "--save must be a file that ends in .nc, got run.txt.",
+    "swim --save run.txt": "--save must be a file that ends in .nc or .mcap or .parquet or .mat or .csv, got run.txt.",
     "swim --save folder.nc": "--save must be a file, got the folder folder.nc.",
     "swim --plot picture.jpg": "--plot must be a file that ends in .png or .pdf or .svg, got picture.jpg.",
     "swim --plot nofolder/p.png": "--plot must be a file in a folder that exists, got nofolder/p.png.",

@@ -8,7 +8,7 @@ import pytest
 
 from laticauda.cli import command
 from laticauda.cli.command import Command, Outcome, until_stopped
-from laticauda.cli.flags import NetCdf, Picture
+from laticauda.cli.flags import Picture, Stored
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 
@@ -25,7 +25,7 @@ class Count(Command):
     """Count."""
 
     part: Part = option("A part", default=Part())
-    save: NetCdf = option("Keep it", default=None)
+    save: Stored = option("Keep it", default=None)
     fails: bool = option("Whether it fails", default=False)
 
     def run(self) -> Outcome:

@@ -2,13 +2,15 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.studies import Optimization, optimize, sweep
+from laticauda.cli.studies import _text
+from laticauda.studies import Front, Optimization, optimize, sweep
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -130,3 +132,30 @@ def test_without_the_extra_it_says_what_to_install(folder: Path):
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr == 'laticauda: An optimization needs pymoo; run `pip install "laticauda[scale]"`.\n'
+
+
+def test_an_optimum_at_an_end_of_its_range_is_said_with_the_end(run):
+    line = f"optimize --vary amplitude-deg=10:20 frequency-deg-s=50:150 --objective forward-velocity {SHORT}"
+    found = json.loads(run(f"{line} --json").out)["at_bounds"]
+    said = [line for line in run(line).out.splitlines() if "of its range" in line]
+    assert len(said) == len(found)
+    front = optimize(sought_at_an_end(), budget=24, population=12)
+    assert [row["name"] for row in found] == [row["name"] for row in front.at_bounds()]
+
+
+def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(monkeypatch: pytest.MonkeyPatch):
+    sought = sought_at_an_end()
+    values = np.array([[np.radians(20.0), 1.0], [np.radians(20.0), 2.0], [np.radians(15.0), 2.0]])
+    figures = {name: np.arange(3.0) for name in sweep.QUANTITIES}
+    front = Front(optimization=sought, values=values, figures=figures, n_trials=9, n_infeasible=0, seed=0)
+    words = "there may be better beyond; widen it with --vary."
+    said = f"amplitude-deg is 20.00 deg at 2 of the 3 points, the greatest of its range: {words}"
+    assert said in _text(front, Path("a"))
+    alone = replace(front, values=values[:1], figures={name: column[:1] for name, column in figures.items()})
+    assert f"amplitude-deg is 20.00 deg, the greatest of its range: {words}" in _text(alone, Path("a"))
+
+
+def sought_at_an_end() -> Optimization:
+    gait = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
+    bounds = {"gait.amplitude": tuple(np.radians([10.0, 20.0])), "gait.frequency": tuple(np.radians([50.0, 150.0]))}
+    return Optimization(scenario=lc.scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity")

@@ -190,3 +190,11 @@ def test_without_the_extra_it_says_what_to_install(folder: Path):
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr == 'laticauda: A sweep needs zarr; run `pip install "laticauda[scale]"`.\n'
+
+
+def test_a_sweep_is_drawn_if_that_is_asked_for(run, folder: Path):
+    assert run(f"sweep {POINTS} {SHORT} --plot map.png").status == 0
+    assert (folder / "map.png").read_bytes().startswith(b"\x89PNG")
+    done = run(f"sweep {POINTS} {SHORT} --plot map.txt")
+    said = "laticauda: --plot must be a file that ends in .png or .pdf or .svg, got map.txt.\n"
+    assert (done.status, done.err) == (2, said)

@@ -342,3 +342,16 @@ def test_a_scene_that_needs_water_is_refused_on_the_ground(run):
     done = run("swim --model spatial --scene shore --ground viscous")
     said = "laticauda: --scene must not be `shore` without water, got the ground `viscous`.\n"
     assert (done.status, done.err) == (2, said)
+
+
+def test_a_trial_is_saved_in_the_formats_that_convert_writes(run, folder: Path):
+    for line in ("swim --duration 1 --save a.nc", "swim --duration 1 --save b.csv", "trial convert a.nc c.csv"):
+        assert run(line).status == 0
+    assert (folder / "b.csv").read_bytes() == (folder / "c.csv").read_bytes()
+
+
+def test_what_is_not_available_is_said_in_words_of_the_command(run):
+    text = " ".join(run("swim --duration 5").out.split())
+    assert "Not available: electrical power, total power. Nothing says what the motors draw: give --joints" in text
+    assert "The run must span at least" in text
+    assert "`time`" not in text and "electrical_work" not in text

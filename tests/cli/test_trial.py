@@ -238,3 +238,25 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monk
 def test_bad_input_is_refused_by_name(swum, options, message):
     done = swum(f"view run.nc {options}")
     assert (done.status, done.err) == (2, f"laticauda: {message}\n")
+
+
+def test_one_trial_is_drawn_as_a_sheet_and_several_in_one_figure(run, folder: Path):
+    for name, options in {"bare.nc": "", "fin.nc": "--robot mamba-fin"}.items():
+        assert run(f"swim {options} --duration 5 --save {name}").status == 0
+    assert run("trial plot bare.nc --output one.svg").out == "one.svg: bare.nc\n"
+    assert "<svg" in (folder / "one.svg").read_text()
+    done = run("trial plot bare.nc fin.nc --output two.png --json")
+    assert json.loads(done.out) == {"trials": ["bare.nc", "fin.nc"], "output": "two.png"}
+    assert (folder / "two.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("trial plot --output a.png", "FILES must name one trial or more."),
+        ("trial plot a.nc --output a.gif", "--output must be a file that ends in .png or .pdf or .svg, got a.gif."),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(run, line: str, said: str):
+    done = run(line)
+    assert (done.status, done.err) == (2, f"laticauda: {said}\n")

@@ -98,3 +98,9 @@ def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(do
     assert len(table) == 6
     left_out, predicted = ((table[name] - table["measured"]).abs() for name in ("left out", "predicted"))
     assert np.all(left_out >= predicted - 1e-12)
+
+
+def test_where_the_search_began_and_ended_has_units(done):
+    first = identification_tables(done)["starts"][0]
+    assert f"{FRICTION}, from [-]" in first and f"{FRICTION}, to [-]" in first
+    assert f"{WITHOUT_EFFECT}, to [{done.found.estimates[1].unit}]" in first

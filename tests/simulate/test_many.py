@@ -13,6 +13,7 @@ from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.simulate import plant
+from laticauda.studies.sweep import labels_of
 
 FIGURES = (
     "forward_velocity",
@@ -252,3 +253,25 @@ def test_bad_arguments_are_refused(arguments, message):
 def test_a_device_that_no_package_brings_is_refused():
     with pytest.raises(ValueError, match=r"`device` must be one of `cpu`.*, got 'gpu'"):
         lc.swim_many(load_robot("mamba"), GAIT, 1.0, device="gpu")
+
+
+def test_what_many_trials_came_to_is_a_dataset_with_the_labels_of_a_sweep():
+    gaits = [replace(GAIT, amplitude=amplitude) for amplitude in (0.3, 0.5, 0.7)]
+    swims = lc.swim_many(MAMBA, gaits, 3.0)
+    found = swims.to_dataset().assign_coords(amplitude=("trial", [gait.amplitude for gait in gaits]))
+    assert dict(found.sizes) == {"trial": 3, "axis": 2}
+    for name in FIGURES:
+        assert found[name].values.tolist() == pytest.approx(getattr(swims, name).tolist(), nan_ok=True)
+    assert found.center_of_mass.sel(axis="y").values.tolist() == swims.center_of_mass[:, 1].tolist()
+    assert found.status.values.tolist() == list(swims.status)
+    labels = labels_of(lc.scenario(MAMBA, GAIT))
+    shared = labels.keys() & found.variables.keys()
+    assert shared == {*FIGURES, "succeeded"} - {"positive_power"}
+    assert {name: found[name].attrs for name in shared} == {name: labels[name] for name in shared}
+    assert found.heading.attrs["units"] == "rad" and found.center_of_mass.attrs["units"] == "m"
+    assert found.heading.attrs["long_name"].endswith("at the end")
+
+
+def test_the_dataset_of_trials_in_space_has_three_axes():
+    swims = lc.swim_many(MAMBA, [GAIT], 0.2, model="spatial")
+    assert swims.to_dataset().axis.values.tolist() == ["x", "y", "z"]

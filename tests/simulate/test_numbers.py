@@ -33,6 +33,24 @@ def test_a_parameter_has_the_unit_and_the_words_of_its_field():
     assert not KNOWN["robot.caudal_fin.length"].is_whole
 
 
+def test_a_parameter_is_called_in_words_that_an_axis_can_have():
+    known = parameters(SCENARIO, each=True)
+    phrases = {
+        "gait.amplitude": "amplitude",
+        "gait.frequency": "angular frequency",
+        "water.current_y": "current, y",
+        "water.drag.reference_speed": "reference speed of the drag",
+        "robot.n_links": "number of links",
+        "robot.caudal_fin.height": "height of the caudal fin",
+        "robot.caudal_fin.n_hinges": "number of hinges of the caudal fin",
+        "robot.module.mass": "mass of the modules",
+        "robot.module[3].section.half_width": "half width of the section of module 3",
+    }
+    assert {name: known[name].phrase for name in phrases} == phrases
+    # Texts of fields explain symbols, and are no labels.
+    assert not any(set(one.phrase) & set(";_|()") for one in known.values())
+
+
 def test_every_parameter_can_be_set_and_comes_out_where_it_belongs():
     # Each is moved by a little from what it is; where it is None, from 1.
     for name, parameter in KNOWN.items():

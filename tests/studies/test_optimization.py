@@ -130,3 +130,14 @@ def test_files_have_names_units_and_every_point(tmp_path: Path):
         assert np.array_equal(found["mechanical_power"], front.figures["mechanical_power"])
         assert (found["gait.amplitude"].units, found.n_trials, found.seed) == ("rad", 100, 1)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["front.csv", "front.nc"]
+
+
+def test_what_lies_at_an_end_of_its_range_is_named():
+    values = np.array([[0.2, 0.3, 8.0], [0.9 - 1e-4, 0.4, 8.0], [0.5, 0.41, 9.0]])
+    figures = {name: np.arange(3.0) for name in QUANTITIES}
+    front = Front(optimization=SOUGHT, values=values, figures=figures, n_trials=3, n_infeasible=0, seed=0)
+    assert front.at_bounds() == [
+        {"name": "gait.amplitude", "end": "least", "value": 0.2, "n_points": 1},
+        {"name": "gait.amplitude", "end": "greatest", "value": 0.9, "n_points": 1},
+        {"name": "robot.n_links", "end": "least", "value": 8.0, "n_points": 2},
+    ]

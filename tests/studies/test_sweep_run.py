@@ -37,7 +37,8 @@ def test_every_number_has_a_unit_and_a_title(tmp_path: Path):
     found = run_sweep(small(), tmp_path / "a")
     assert all("long_name" in variable.attrs for variable in found.variables.values())
     assert {name for name, variable in found.variables.items() if "units" not in variable.attrs} == {"succeeded"}
-    assert found["gait.amplitude"].attrs["units"] == "rad"
+    assert found["gait.amplitude"].attrs == {"long_name": "amplitude", "units": "rad"}
+    assert found["water.normal_drag"].attrs == {"long_name": "normal drag", "units": "1"}
     assert (found.n_trials, found.n_finished) == (12, 12)
 
 

@@ -28,7 +28,10 @@ DESCRIPTION = (
 COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
 """A command's words, where its class is, and what the list of commands says about it."""
 LISTED = "; `laticauda --help` lists those that there are."
-GROUPS = {"export": "Write robots to files for other programs.", "trial": "Show, compare and convert stored trials."}
+GROUPS = {
+    "export": "Write robots to files for other programs.",
+    "trial": "Show, compare, plot and convert stored trials.",
+}
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -103,10 +103,12 @@ def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
     Args:
         command: The command, or a part of it.
     """
+    from laticauda.trial import Format
+
     for part in parts_of(command):
         for name, marks in marks_of(part.__class__).items():
             for written in (mark for mark in marks if isinstance(mark, Written)):
-                yield name, getattr(part, name), written.endings
+                yield name, getattr(part, name), written.endings or Format.endings()
 
 
 def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:

@@ -18,10 +18,10 @@ OUTPUT = "The file to write; an older one is replaced"
 class Urdf(command.Command):
     """Write a robot to a URDF file, for ROS and most other programs about robots.
 
-    For example: laticauda export urdf mamba.urdf --robot mamba-modules-fin
+    For example: laticauda export urdf --robot mamba-modules-fin --output mamba.urdf
     """
 
-    output: Annotated[flags.Output, flags.Written((".urdf",))] = option(OUTPUT)
+    output: Annotated[flags.Made, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
     meshes: flags.Files = option("STL or OBJ per module, tail first (meters, its frame); copied along", default=())
@@ -47,10 +47,10 @@ class Urdf(command.Command):
 class Mjcf(Urdf):
     """Write a robot, and the place that it is in, to an MJCF file that plain MuJoCo opens.
 
-    For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --scene tank --actuators servo
+    For example: laticauda export mjcf --robot mamba-modules-fin --scene tank --actuators servo --output mamba.xml
     """
 
-    output: Annotated[flags.Output, flags.Written((".xml",))] = option(OUTPUT)
+    output: Annotated[flags.Made, flags.Written((".xml",))] = option(OUTPUT)
     water: str | None = option("A preset or TOML file, or paper-lateral: of it only the depth is written", default=None)
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
     scene: str | None = option("Around it: tank, pegs, slope, pipe, shore, height-field or an MJCF file", default=None)
@@ -72,7 +72,7 @@ class Mjcf(Urdf):
 class Compiled(OfScenario):
     """A robot in water as machine code."""
 
-    output: Annotated[flags.Output, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
+    output: Annotated[flags.Made, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
 
     def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
@@ -103,7 +103,7 @@ class Fmu(Compiled):
     power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write,
     and for other platforms than this one the package ziglang.
 
-    For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
+    For example: laticauda export fmu --robot mamba-fin --joints servo --inputs references --output mamba.fmu
     """
 
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
@@ -126,10 +126,10 @@ class C(Compiled):
     For robots' own computers, and for whatever can call C. The header names the variables, their units and ranges; they
     are those of an FMU. It takes a C compiler to write, and for other platforms than this one the package ziglang.
 
-    For example: laticauda export c mamba.h --robot mamba-fin --platform aarch64 --static
+    For example: laticauda export c --robot mamba-fin --platform aarch64 --static --output mamba.h
     """
 
-    output: Annotated[flags.Output, flags.Written((".h",))] = option(
+    output: Annotated[flags.Made, flags.Written((".h",))] = option(
         "The header to write; the library is beside it (.h)", default=""
     )
     platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=None)
@@ -146,10 +146,10 @@ class C(Compiled):
 class Web(command.Command):
     """Write a page on which robots swim, a folder of files that needs no server: open its index.html in a browser.
 
-    For example: laticauda export web page --robots mamba-fin amphibot
+    For example: laticauda export web --robots mamba-fin amphibot --output page
     """
 
-    output: flags.Output = option("The folder to write; files of an older page are replaced")
+    output: flags.Folder = option("The folder to write; files of an older page are replaced")
     robots: flags.Files = option("Presets or TOML files, the first one at once; none: our choice", default=())
 
     def run(self) -> command.Outcome:

@@ -47,7 +47,8 @@ class BadFlag(Exception):
 class Written:
     """Marks the name of a file that a command will write."""
 
-    endings: tuple[str, ...]
+    endings: tuple[str, ...] = ()
+    """What it may end in; none: those of the formats of trials."""
 
 
 def flag(name: str) -> str:
@@ -105,10 +106,12 @@ def _shown(value: Any) -> list[str]:
 
 
 File = Annotated[str | None, _place("FILE")]
-NetCdf = Annotated[File, Written((".nc",))]
-Picture = Annotated[File, Written((".png", ".pdf", ".svg"))]
+Stored = Annotated[File, Written()]
+PICTURES = Written((".png", ".pdf", ".svg"))
+Picture = Annotated[File, PICTURES]
 Mp4 = Annotated[File, Written((".mp4",))]
 Toml = Annotated[File, Written((".toml",))]
+Made = Annotated[str, _place("FILE")]
 Folder = Annotated[str, _place("DIR")]
 Place = Annotated[str | None, _place("DIR")]
 Words = Annotated[tuple[str, ...], _words("*", "NAME=VALUES ...", tuple)]

@@ -119,7 +119,9 @@ def _notes(trial: Trial) -> str:
     missing: Any = trial.summary()["not_available"]
     for name, reason in missing.items():
         by_reason.setdefault(reason, []).append(name)
-    notes += [f"Not available: {', '.join(names)}. {reason}" for reason, names in by_reason.items()]
+    for reason, names in by_reason.items():
+        why = reason.replace("`time` must", "The run must")  # it is no argument of whoever reads this
+        notes.append(f"Not available: {', '.join(names).replace('_', ' ')}. {why}")
     return _filled(notes)
 
 

@@ -6,12 +6,13 @@ the estimator and the controller.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import control, estimation, figures, operate, simulate
 from laticauda.cli import command, flags, report, scene, trial
-from laticauda.cli.flags import BadFlag, File, Files, NetCdf, Picture, ScenarioFile, Toml
+from laticauda.cli.flags import BadFlag, File, Files, Picture, ScenarioFile, Stored, Toml
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
@@ -20,7 +21,7 @@ from laticauda.quantities import option, quantity, value
 class Recording(trial.Filming):
     """A command that makes a trial, and what becomes of that."""
 
-    save: NetCdf = option("Write the trial to this netCDF file (.nc)", default=None)
+    save: Stored = option("Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None)
     plot: Picture = option(
         "Draw path, speed, joint angles and torques into this picture (.png, .pdf or .svg)", default=None
     )
@@ -43,8 +44,9 @@ class Recording(trial.Filming):
             beside: Of other robots in the same scene.
         """
         if self.save is not None:
+            place = Path(self.save)
             for k, one in enumerate((trial, *beside)):
-                one.save(f"{self.save.removesuffix('.nc')}-{k}.nc" if k else self.save)
+                one.save(place.with_stem(f"{place.stem}-{k}") if k else place)
         if self.plot is not None:
             figures.save_figure(trial.plot(), self.plot)
         self.write_film(trial, beside=beside)

@@ -13,7 +13,7 @@ from typing import Literal
 import laticauda as lc
 from laticauda import cosim, lab, packaging, protocol, robot
 from laticauda.cli.command import LOCAL, Command, until_stopped
-from laticauda.cli.flags import File, Files, NetCdf, ScenarioFile, read
+from laticauda.cli.flags import File, Files, ScenarioFile, Stored, read
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -76,7 +76,7 @@ class LabCommand(Command):
     scene: Scene = option("What is around it", default=Scene())
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
-    save: NetCdf = option("Write the truth since the robot was put into the water to this file (.nc)", default=None)
+    save: Stored = option("Write the truth since the robot was put into the water (.nc, .csv, ...)", default=None)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":

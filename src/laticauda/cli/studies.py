@@ -10,16 +10,29 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from laticauda import figures
 from laticauda.cli import vary
 from laticauda.cli.command import Outcome, stored_trials
-from laticauda.cli.flags import File, Folder, Words
+from laticauda.cli.flags import File, Folder, Picture, Words
 from laticauda.cli.scene import warn_of_compiling
+from laticauda.cli.tables import read_in
 from laticauda.cli.vary import Known, Study
 from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
-from laticauda.studies import SPEED_POWER, Front, Optimization, Samples, Sweep, best, count_failed, optimize, run_sweep
+from laticauda.studies import (
+    SPEED_POWER,
+    Front,
+    Optimization,
+    Samples,
+    Sweep,
+    best,
+    count_failed,
+    open_sweep,
+    optimize,
+    run_sweep,
+)
 from laticauda.studies.cluster import connected
 from laticauda.studies.optimization import Limits
 from laticauda.studies.sampling import Points
@@ -52,6 +65,7 @@ class SweepCommand(Study):
     list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
     scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
     output: Folder = option("The folder of results; the same command goes on there after a stop", default="sweep")
+    plot: Picture = option("Draw speed and cost of transport over what is varied (.png, .pdf, .svg)", default=None)
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
     ] = option("What the table's points are best in: speed, power or cost", default="forward-velocity")
@@ -70,6 +84,8 @@ class SweepCommand(Study):
                 warn_of_compiling(scenario.environment, scenario.model)
             run_sweep(sweep, self.output, progress=show, client=client, threads=self.threads)
         n_trials, n_failed = sweep.n_trials, count_failed(self.output)
+        if self.plot is not None:
+            figures.save_figure(figures.sweep_sheet(open_sweep(self.output)), self.plot)
         status = f"All {n_trials} trials reached their end."
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
@@ -175,6 +191,7 @@ def _facts(front: Front, folder: Path, pictures: Sequence[Path]) -> dict[str, An
         **vary.shared_facts(front.optimization.scenario),
         "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
         "n_points": len(front),
+        "at_bounds": front.at_bounds(),
         "points": [front.point(i) for i in front.spread(N_SHOWN)],
     }
 
@@ -185,7 +202,19 @@ def _text(front: Front, folder: Path) -> str:
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
         parts.append(vary.points_table(sought.scenario, sought.names, [*sought.objectives, *SHOWN_OF_FRONT], points))
+    parts += filter(None, ["\n".join(_at_bounds(front))])
     return "\n\n".join([*parts, f"All points: {folder}/front.csv, {folder}/front.nc"])
+
+
+def _at_bounds(front: Front) -> list[str]:
+    """What lies at an end of its range, a sentence each."""
+    known, found = parameters(front.optimization.scenario), list[str]()
+    for row in front.at_bounds():
+        parameter = known[row["name"]]
+        at = "" if len(front) == 1 else f" at {row['n_points']} of the {len(front)} points"
+        text = f"{vary.spelled(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
+        found.append(f"{text}, the {row['end']} of its range: there may be better beyond; widen it with --vary.")
+    return found
 
 
 def _status(front: Front) -> str:

@@ -1,14 +1,15 @@
-"""Stored trials: `laticauda view`, a film or a picture; `laticauda trial show | compare | convert`, their figures."""
+"""Stored trials: `laticauda view`, a film or a picture; `laticauda trial show | compare | plot | convert`."""
 
 from collections.abc import Sequence
 from typing import Annotated
 
 import laticauda as lc
+from laticauda import figures
 from laticauda.cli import command, flags, report, tables
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.pictures.camera import Film
 from laticauda.quantities import option, quantity, value
-from laticauda.trial import ComparedFigure, Format
+from laticauda.trial import ComparedFigure
 
 TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 
@@ -114,6 +115,27 @@ class Compare(OfTrials):
 
 
 @value
+class Plot(OfTrials):
+    """Draw a stored trial: path, speed, joint angles and torques; of several, the paths and speeds in one figure.
+
+    For example: laticauda trial plot bare.nc fin.nc --output both.png
+    """
+
+    files: flags.Inputs = option("One trial or more, each a file as `trial show` reads it", default=())
+    output: Annotated[flags.Made, flags.PICTURES] = option("The picture to write, or replace: .png, .pdf or .svg")
+
+    def run(self) -> command.Outcome:
+        """Read and draw."""
+        if not self.files:
+            raise BadArgument("files", "must name one trial or more")
+        trials = [_either(file, self.columns) for file in self.files]
+        figure = trials[0].plot() if len(trials) == 1 else figures.overlay(trials, self.files)
+        figures.save_figure(figure, self.output)
+        facts = {"trials": self.files, "output": self.output}
+        return command.Outcome(facts=facts, text=f"{self.output}: {', '.join(self.files)}")
+
+
+@value
 class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
@@ -121,11 +143,12 @@ class Convert(OfTrials):
     """
 
     file: flags.Input = option(TRIAL)
-    output: flags.Output = option("The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv")
+    output: Annotated[flags.Output, flags.Written()] = option(
+        "The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv"
+    )
 
     def run(self) -> command.Outcome:
         """Read and write."""
-        command.check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)

@@ -7,6 +7,7 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.figures.film import Film as Film, swim_film as swim_film
     from laticauda.figures.path import path_strip as path_strip
+    from laticauda.figures.several import overlay as overlay, sweep_sheet as sweep_sheet
     from laticauda.figures.style import new_figure as new_figure, save_figure as save_figure
     from laticauda.figures.swim import follow_sheet as follow_sheet, joint_angle as joint_angle, sheet as sheet
     from laticauda.figures.swim import joint_torque as joint_torque, speed as speed, swim_sheet as swim_sheet

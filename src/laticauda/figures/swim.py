@@ -46,10 +46,8 @@ def speed(trial: Trial, ax: Axes) -> Axes:
         trial: Any trial, a failed one too.
         ax: Where to draw.
     """
-    ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
-    forward = np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
+    forward, mean = forward_speed(trial), cycle_mean_speed(trial)
     ax.plot(trial.time, forward, color=style.BLUE, linewidth=style.THIN, label="forward")
-    mean = _cycle_mean_speed(trial)
     if mean is not None:
         ax.plot(*mean, color=style.INK, linewidth=1.4, label="mean over a cycle")
     measured = measured_counterpart(trial)
@@ -59,6 +57,16 @@ def speed(trial: Trial, ax: Axes) -> Axes:
     _from_to(ax, trial.time)
     _add_legend(ax, forward[trial.time.size // 5 :])
     return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")
+
+
+def forward_speed(trial: Trial) -> Series:
+    """Speed along the heading at every sample [m/s].
+
+    Args:
+        trial: Any trial, a failed one too.
+    """
+    ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
+    return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
 
 
 def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
@@ -171,8 +179,12 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
     bar.outline.set_visible(False)
 
 
-def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
-    """Times and displacement over the cycle around each / its duration; None where there is no whole cycle."""
+def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
+    """Times [s] and displacement over the cycle around each / its duration [m/s]; None where there is no whole cycle.
+
+    Args:
+        trial: Any trial, a failed one too.
+    """
     if trial.period is None:
         return None
     try:

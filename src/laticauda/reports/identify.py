@@ -227,7 +227,7 @@ def _starts(done: Validation) -> list[Row]:
     return [
         {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
         | {
-            f"{problem.names[k]}, {word}": problem.values_of(x)[k]
+            f"{problem.names[k]}, {word} [{done.found.estimates[k].unit or '-'}]": problem.values_of(x)[k]
             for k in problem.of_interest
             for word, x in (("from", one.start), ("to", one.end))
         }

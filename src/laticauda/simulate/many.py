@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar, Unpack, cast
+from typing import TYPE_CHECKING, Any, TypeVar, Unpack, cast
 
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
@@ -17,10 +17,14 @@ from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
 from laticauda.simulate import batch_figures, runner
 from laticauda.simulate.batch_figures import Figure
-from laticauda.simulate.numbers import UNITS
+from laticauda.simulate.numbers import UNITS, of_figure
 from laticauda.simulate.plants import plant
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, metrics
+from laticauda.trial.dataset import AXES
+
+if TYPE_CHECKING:
+    import xarray
 
 CPU = "cpu"
 Item = TypeVar("Item")
@@ -62,6 +66,20 @@ class Swims:
     def __len__(self) -> int:
         """Number of trials."""
         return len(self.status)
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """The same as an xarray Dataset with the dimension `trial`, labeled as a sweep's results are.
+
+        What was varied is put beside it by `assign_coords`; an amplitude by `amplitude=("trial", amplitudes)`.
+        """
+        import xarray
+
+        found: dict[str, Any] = {"status": ("trial", np.array(self.status, dtype=object))}
+        for name, values in vars(self).items():
+            if name != "status":
+                found[name] = ("trial", "axis")[: np.ndim(values)], values, of_figure(name)
+        axes = np.array(AXES[: self.center_of_mass.shape[1]], dtype=object)
+        return xarray.Dataset(found, coords={"trial": np.arange(len(self)), "axis": axes})
 
 
 def swim_many(

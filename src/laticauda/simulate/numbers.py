@@ -20,6 +20,7 @@ from laticauda.errors import BadArgument
 from laticauda.quantities import hints_of, quantities_of, texts_of
 from laticauda.robot import Current, Environment, Water
 from laticauda.scenarios import Scenario
+from laticauda.series import SERIES
 from laticauda.trial import Trial
 
 Changes = dict[str, Any]
@@ -49,6 +50,46 @@ class Parameter:
     """What it is, in a few words."""
     is_whole: bool = False
     """Whether it counts something, and must be a whole number."""
+
+    @property
+    def phrase(self) -> str:
+        """Its name in words, as an axis has it: height of the caudal fin."""
+        root, *owners, last = self.name.split(".")
+        last, axis = (last[:-2], f", {last[-1]}") if last.endswith(_ENDS) else (last, "")
+        words = last.replace("_", " ")
+        words = f"number of {words[2:]}" if last.startswith("n_") else words
+        if (root, last) == ("gait", "frequency"):
+            words = f"angular {words}"
+        return " of ".join([words, *map(_owner, reversed(owners))]) + axis
+
+
+def _owner(step: str) -> str:
+    """What a step of a name stands for, in words."""
+    one = _ONE.fullmatch(step)
+    return (f"{one[1]} {one[2]}" if one else f"the {_PLURAL.get(step, step)}").replace("_", " ")
+
+
+def described(title: str, unit: str) -> dict[str, str]:
+    """What stands beside a variable of a Dataset, as xarray's plots label their axes with it.
+
+    Args:
+        title: What it is, a phrase.
+        unit: "" for a pure number.
+    """
+    return {"long_name": title, "units": unit or "1"}
+
+
+def of_figure(name: str) -> dict[str, str]:
+    """The same of a figure of a trial, of what its log has at its end, or of whether it `succeeded`.
+
+    Args:
+        name: Of the figure, or the series.
+    """
+    if name == "succeeded":
+        return {"long_name": "whether the run reached its end"}
+    if name in SERIES:
+        return described(f"{SERIES[name].text}, at the end", SERIES[name].units)
+    return described(getattr(Trial, name).title, getattr(Trial, name).unit)
 
 
 def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:

@@ -28,6 +28,8 @@ OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_p
 """What can be optimized: speeds are to be great, powers and the cost of transport small."""
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 VIOLATION = "violation"
+AT_BOUND = 0.005
+"""How close to an end of its range a number is at the end, as a share of the range."""
 FAILED = 1e3  # how far a run that blew up is from being feasible: farther than any gait that is too wide
 
 
@@ -227,6 +229,22 @@ class Front:
         """
         figures = {name: float(self.figures[name][point]) for name in FIGURES}
         return dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
+
+    def at_bounds(self) -> list[dict[str, Any]]:
+        """Where points lie at an end of a range: it may be the range that makes them the best, and not the robot.
+
+        Returns:
+            A row for every end with points within `AT_BOUND` of it: `name` of the parameter, `end` ("least" or
+            "greatest"), its `value` (SI, radians), and how many points, `n_points`.
+        """
+        rows: list[dict[str, Any]] = []
+        for (name, ends), column in zip(self.optimization.bounds.items(), self.values.T, strict=True):
+            near = AT_BOUND * (ends[1] - ends[0])
+            for end, bound in zip(("least", "greatest"), ends, strict=True):
+                count = int(np.count_nonzero(np.abs(column - bound) <= near))
+                if count:
+                    rows.append({"name": name, "end": end, "value": float(bound), "n_points": count})
+        return rows
 
     def spread(self, count: int) -> list[int]:
         """Numbers of points that lie evenly along the front, its ends included.

@@ -18,7 +18,7 @@ from laticauda.errors import BadArgument, instance, whole
 from laticauda.quantities import option, quantity, value
 from laticauda.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.simulate.many import collected, runs_of
-from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
+from laticauda.simulate.numbers import UNITS, changed, check_whole, described, look_up, of_figure, parameters
 from laticauda.simulate.runner import silent
 from laticauda.studies import sampling
 from laticauda.studies.sampling import Table
@@ -30,11 +30,10 @@ Progress = Callable[[int, int], None]
 
 FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", "heading")), *NEEDS)
 """Those that are kept of every trial."""
-QUANTITIES = {name: (getattr(lc.Trial, name).unit or "1", getattr(lc.Trial, name).title) for name in FIGURES}
-QUANTITIES["succeeded"] = ("", "whether the run reached its end")
-"""What is kept of every trial: unit and title by name."""
-LABELS = {name: f"{name.replace('_', ' ')} [{unit.replace('1', '-')}]" for name, (unit, _) in QUANTITIES.items()}
-"""The same in words, with the unit, as tables and axes have it."""
+QUANTITIES = (*FIGURES, "succeeded")
+"""What is kept of every trial."""
+LABELS = {name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES}
+"""The figures in words, with the unit, as tables and axes have it."""
 # Of these the least is the best, of the others the greatest.
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": "environment"}
@@ -80,8 +79,8 @@ def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
 
 def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
     """What stands beside every stored parameter and quantity, by name: what it is, and its unit."""
-    known = {name: (one.unit or "1", one.title) for name, one in parameters(scenario).items()} | QUANTITIES
-    return {name: {"long_name": title, **({"units": unit} if unit else {})} for name, (unit, title) in known.items()}
+    known = {name: described(one.phrase, one.unit) for name, one in parameters(scenario).items()}
+    return known | {name: of_figure(name) for name in QUANTITIES}
 
 
 def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:

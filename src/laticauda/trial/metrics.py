@@ -212,7 +212,10 @@ def work_power(trial: Contents, kind: int) -> float:
 def electrical_power(trial: Contents) -> float:
     """Mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
     if trial.electrical_work is None:
-        raise ValueError("The trial must have an `electrical_work` for an electrical power: it has no power model.")
+        raise ValueError(
+            "Nothing says what the motors draw: give --joints servo (in Python joints='servo'), or a robot with an "
+            "`active_power`; a robot that is operated takes a power meter."
+        )
     return mean_power(trial.time, trial.electrical_work)
 
 

@@ -68,7 +68,9 @@ class Trial(contents.Contents):
         lambda t: metrics.forward_velocity(t.time, t.center_of_mass),
     )
     """Straight-line displacement / time over the whole run (5) [m/s]."""
-    steady_velocity = Figure("m/s", "the same over whole gait cycles after the transient", metrics.steady_velocity)
+    steady_velocity = Figure(
+        "m/s", "steady velocity, over whole gait cycles after the transient", metrics.steady_velocity
+    )
     """`forward_velocity` over whole gait cycles after the first third of the run and 10 s [m/s]."""
     path_speed = Figure("m/s", "path length over time", lambda t: metrics.path_speed(t.time, t.center_of_mass))
     """Length of the center of mass's path / time [m/s]."""

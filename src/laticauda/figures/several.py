@@ -1,0 +1,132 @@
+"""Many runs in one figure: the paths and speeds of some, one over the other, and what a sweep came to."""
+
+# matplotlib's and xarray's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from laticauda.figures import style
+from laticauda.figures.swim import cycle_mean_speed, forward_speed
+from laticauda.trial import Trial
+
+if TYPE_CHECKING:
+    import xarray
+
+SHOWN = {"forward_velocity": "forward velocity", "cost_of_transport": "cost of transport"}
+"""What of a sweep is drawn, and what an axis calls it."""
+HEIGHT = 3.0  # of a figure, beside its legend or head [in]
+ROW = 0.2  # of a legend [in]
+CLEAR = 3.0  # a largest value that is so many times what nine tenths of all keep below would leave these dark
+MOST_MARKS = 40  # of points on a line
+
+
+def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
+    """The paths of several trials, one over the other, and their speeds as means over a gait cycle.
+
+    Args:
+        trials: Any; of one without whole gait cycles the forward speed is drawn as it is.
+        names: What to call each.
+    """
+    figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT + ROW * math.ceil(len(trials) / 2))
+    path, velocity = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    for trial, name, (color, dashes) in zip(trials, names, itertools.cycle(_looks()), strict=False):
+        look: Any = {"color": color, "linestyle": dashes, "linewidth": style.LINE}
+        mean = cycle_mean_speed(trial)
+        path.plot(*trial.center_of_mass[:, :2].T, **look, label=name)
+        path.plot(*trial.center_of_mass[-1, :2], **style.points("o", 3.5, color))
+        velocity.plot(*((trial.time, forward_speed(trial)) if mean is None else mean), **look)
+    path.set_aspect("equal", adjustable="datalim")
+    style.outside_legend(figure, path.get_legend_handles_labels()[0], "outside lower left", ncols=2)
+    style.dress(path, xlabel="x [m]", ylabel="y [m]")
+    style.dress(velocity, xlabel="time [s]", ylabel="speed, mean over a cycle [m/s]")
+    return figure
+
+
+def _looks() -> list[tuple[str, Any]]:
+    """Colors and dashes of lines, all that differ."""
+    n = len(style.LINES)
+    return [(style.LINES[i][0], style.LINES[(i + turn) % n][1]) for turn in range(n) for i in range(n)]
+
+
+def sweep_sheet(found: "xarray.Dataset") -> Figure:
+    """Forward velocity and cost of transport over what was varied: lines of one quantity, maps of two.
+
+    Of a grid of more, the map lies in the plane of the first two through the fastest point, and the figure says so; of
+    lists and samples, every point is a dot over the first two.
+
+    Args:
+        found: As `laticauda.studies.open_sweep` reads it.
+    """
+    found, names, held = _plane(found)
+    figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT)
+    axes: Sequence[Axes] = figure.subplots(1, len(SHOWN))
+    for quantity, ax in zip(SHOWN, axes, strict=True):
+        (_over_one if len(names) == 1 else _over_two)(found, names, quantity, ax)
+    lost = int(np.count_nonzero(~np.isfinite(found.forward_velocity.to_numpy())))
+    about = f"Sweep of {found.attrs['robot']}, {found.attrs['gait'].replace('_', ' ')}, {found.attrs['duration']:g} s"
+    notes = [held, f"{lost} of {found.forward_velocity.size} without a value" if lost else ""]
+    style.head(figure, about, "; ".join(filter(None, notes)))
+    return figure
+
+
+def _plane(found: "xarray.Dataset") -> tuple["xarray.Dataset", list[str], str]:
+    """What is drawn of a sweep, over which one or two of its numbers, and in words what became of the others."""
+    names = [str(name) for name in found.coords if name != "trial"]
+    varied = [name for name in names if np.unique(found[name].to_numpy()).size > 1] or names[:1]
+    shown, others = varied[:2], varied[2:]
+    if not others or found.forward_velocity.dims == ("trial",):
+        rest = f"over all of {', '.join(_label(found, name) for name in others)}" if others else ""
+        return found.squeeze(({*names} - {*shown}) & {*map(str, found.dims)}), shown, rest
+    speed = np.nan_to_num(found.forward_velocity.to_numpy(), nan=-np.inf)
+    best = dict(zip(found.dims, np.unravel_index(int(np.argmax(speed)), speed.shape), strict=True))
+    plane = found.isel({name: int(i) for name, i in best.items() if name not in shown})
+    said = ", ".join(f"{_label(plane, name)} {_read(plane, name):.4g}" for name in others)
+    return plane, shown, f"through the fastest point, {said}"
+
+
+def _over_one(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
+    """A line, with its points as far as they can be told."""
+    x, y = _read(found, names[0]), found[quantity].to_numpy()
+    order = np.argsort(x)
+    marker = "o" if x.size <= MOST_MARKS else ""
+    ax.plot(x[order], y[order], color=style.BLUE, linewidth=style.LINE, marker=marker, markersize=3)
+    return style.dress(ax, xlabel=_label(found, names[0]), ylabel=_label(found, quantity))
+
+
+def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
+    """A filled map of a grid, colored dots of anything else; what is far above the rest is as bright as can be."""
+    x, y, values = *(_read(found, name) for name in names), found[quantity]
+    known = values.to_numpy()[np.isfinite(values.to_numpy())]
+    high = float(np.quantile(known, 0.9)) if known.size else 1.0
+    is_cut = known.size > 0 and float(known.max()) > CLEAR * high > 0.0
+    look: Any = {"cmap": "viridis", "vmax": high if is_cut else None}
+    if values.dims == ("trial",):
+        drawn: Any = ax.scatter(x, y, c=values.to_numpy(), s=10, **look)
+    else:
+        drawn = ax.pcolormesh(x, y, values.transpose(names[1], names[0]).to_numpy(), shading="nearest", **look)
+    figure: Any = ax.get_figure(root=True)
+    bar = figure.colorbar(drawn, ax=ax, extend="max" if is_cut else "neither")
+    bar.set_label(_label(found, quantity), fontsize=style.LABEL, color=style.INK)
+    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
+    bar.outline.set_visible(False)
+    return style.dress(ax, xlabel=_label(found, names[0]), ylabel=_label(found, names[1]))
+
+
+def _label(found: "xarray.Dataset", name: str) -> str:
+    """What an axis says, angles in degrees."""
+    about = found[name].attrs
+    unit = about["units"].replace("rad", "deg") if about["units"].startswith("rad") else about["units"]
+    return f"{SHOWN.get(name, about['long_name'])} [{'-' if unit == '1' else unit}]"
+
+
+def _read(found: "xarray.Dataset", name: str) -> np.ndarray:
+    """Values as an axis has them, angles in degrees."""
+    values = found[name].to_numpy()
+    return np.degrees(values) if found[name].attrs["units"].startswith("rad") else values
