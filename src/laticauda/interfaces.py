@@ -244,7 +244,7 @@ def fin_signals(
     """What the fin's joints do, as signals of a log: all of a driven root, angles and rates of passive hinges.
 
     Args:
-        joints: See `Robot.fin_joints`.
+        joints: About which the fin moves, from the root on: 0 is a driven root, 1 and on are passive hinges.
         angle: Of each of them [rad].
         rate: The same [rad/s].
         reference: What a driven one is asked for [rad].

@@ -247,7 +247,7 @@ def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None 
 
     Args:
         scenario: Of the robot.
-        frequency_limits: See `studies.averaged_model` [rad/s].
+        frequency_limits: Least and greatest frequency of these; None: a third below and above the gait's [rad/s].
     """
     from laticauda.studies import averaged_model
 

@@ -90,7 +90,7 @@ def look(
         center: Its center of mass [m].
         heading: Its direction [rad].
         aspect: Width of the picture to its height [-].
-        camera: See `view`.
+        camera: `follow` turns with the robot, `side` is beside it, `top` above, `fixed` stays.
         wide: What it is to see at least [m].
     """
     down, aside = DIRECTIONS[camera]

@@ -123,7 +123,7 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     Args:
         optimization: What is optimized.
         table: The points, a row each.
-        threads: See `laticauda.simulate.swim_many`.
+        threads: How many to compute with; None takes all cores that this process may use.
 
     Returns:
         By name, a value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for feasible
