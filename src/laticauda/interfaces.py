@@ -141,7 +141,7 @@ class Observation:
 class Start:
     """Where a run begins: straight, and at rest unless it is to coast."""
 
-    center_of_mass: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0), ge=-FAR, le=FAR)
+    center_of_mass: tuple[float, float] = quantity("m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR)
     heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
     velocity: float = quantity("m/s", "Forward, along the body", default=0.0, ge=-100.0, le=100.0)
     depth: float | None = quantity("m", "Axis depth at the center of mass, free root; None: its place's", default=None)

@@ -148,7 +148,7 @@ class HeadingController:
         (0.2, False)
     """
 
-    gain: float = quantity("", "k", gt=0.0)
+    gain: float = quantity("", "k, offset per heading error", gt=0.0)
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
 
     def offset(self, *, heading_ref: float, heading: float) -> tuple[float, bool]:

@@ -172,7 +172,7 @@ class Wave:
             self, *, phase: float = 0.0, phase_deg: float = 0.0, envelope: Envelope = ..., **numbers: Unpack[WaveFields]
         ) -> None: ...
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
     phase: float = quantity("rad", "lead over the yaw wave, at tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
@@ -206,7 +206,7 @@ class Gait:
 
         def __init__(self, *, envelope: Envelope = ..., **fields: Unpack["GaitFields"]) -> None: ...
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi)
     offset: float = quantity("rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0)
