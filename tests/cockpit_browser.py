@@ -23,6 +23,7 @@ FLAGS = (
 )
 SIZE = {"width": 1024, "height": 640}
 SMALL = {"width": 640, "height": 400}
+PHONE = {"width": 390, "height": 844}
 PANEL = 400  # width of what the panel hides on the right [px]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -145,13 +146,13 @@ def shots(tmp_path):
     return folder
 
 
-def on_screen(position, look_at, field_of_view, point):
+def on_screen(position, look_at, field_of_view, point, size=SIZE):
     """Where a point of the world is on the page, for a camera [px]."""
     position, look_at = np.array(position), np.array(look_at)
     forward = (look_at - position) / np.linalg.norm(look_at - position)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
     ray = np.asarray(point) - position
-    scale = 0.5 * SIZE["height"] / np.tan(0.5 * field_of_view) / (ray @ forward)
+    scale = 0.5 * size["height"] / np.tan(0.5 * field_of_view) / (ray @ forward)
     x, y = ray @ right, ray @ np.cross(right, forward)
-    return 0.5 * SIZE["width"] + scale * x, 0.5 * SIZE["height"] - scale * y
+    return 0.5 * size["width"] + scale * x, 0.5 * size["height"] - scale * y

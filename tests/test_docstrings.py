@@ -59,13 +59,15 @@ def functions(thing: Any) -> Iterator[Any]:
 def undocumented_parameters(function: Any) -> list[str]:
     """Parameters that the docstring names neither in its "Args:" nor in backticks."""
     docstring = inspect.getdoc(function) or ""
-    if re.search(r"arguments (and errors )?as for `\w+`", docstring, re.IGNORECASE):
+    if re.search(rf"Arguments as for `({'|'.join(OF_OTHERS)})`", docstring):
         return []
     starts = {line.strip().lstrip("*").partition(":")[0] for line in docstring.splitlines()}
     names = [name for name in inspect.signature(function).parameters if name not in {"self", "cls"}]
     return [name for name in names if name not in starts and f"`{name}`" not in docstring]
 
 
+# Whose interface it is that we fill: its arguments are documented there.
+OF_OTHERS = ("Type", "VecEnv")
 # What `laticauda.codec` and `laticauda.extensions` look for in any class, and say what it is.
 OF_THE_CODEC = {"called", "counted", "former"}
 
@@ -98,6 +100,22 @@ def test_every_public_name_and_parameter_is_documented():
         if dataclasses.is_dataclass(thing) and (fields := undocumented_fields(thing)):  # pyright: ignore
             missing[f"{name} fields"] = ", ".join(fields)
     assert not missing
+
+
+ELSEWHERE = re.compile(r"^ +\**\w+: (?:See (?:there|`)|As (?:for|in) `)", re.MULTILINE)
+"""An argument that sends its reader to another docstring."""
+
+
+def test_what_an_argument_is_stands_where_it_is_listed():
+    found = [
+        f"{path.relative_to(SOURCES)} {node.name}: {line.strip()}"
+        for path in sorted(SOURCES.rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+        for line in ELSEWHERE.findall(ast.get_docstring(node, clean=False) or "")
+    ]
+    assert found == []
+    assert ELSEWHERE.findall("Args:\n    keep: See `fit`.\n    how: As for `run`.\n    seed: Of all.") != []
 
 
 @pytest.mark.parametrize("path", WITH_EXAMPLES, ids=dotted)

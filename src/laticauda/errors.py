@@ -131,7 +131,16 @@ def finite(name: str, value: object, unit: str = "") -> float:
 
 
 def positive(name: str, value: object, unit: str = "") -> float:
-    """Return `value` as a float if it is a finite number > 0; arguments and errors as for `finite`."""
+    """Return `value` as a float if it is a finite number > 0.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        unit: The unit that the argument is in, "" for a pure number.
+
+    Raises:
+        ValueError: If it is not.
+    """
     number = finite(name, value, unit)
     if number <= 0.0:
         raise BadArgument(name, f"must be > 0{_spaced(unit)}, got {value}")
@@ -139,7 +148,16 @@ def positive(name: str, value: object, unit: str = "") -> float:
 
 
 def not_negative(name: str, value: object, unit: str = "") -> float:
-    """Return `value` as a float if it is a finite number >= 0; arguments and errors as for `finite`."""
+    """Return `value` as a float if it is a finite number >= 0.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        unit: The unit that the argument is in, "" for a pure number.
+
+    Raises:
+        ValueError: If it is not.
+    """
     number = finite(name, value, unit)
     if number < 0.0:
         raise BadArgument(name, f"must be >= 0{_spaced(unit)}, got {value}")
@@ -147,7 +165,18 @@ def not_negative(name: str, value: object, unit: str = "") -> float:
 
 
 def within(name: str, value: object, low: float, high: float, unit: str = "") -> float:
-    """Return `value` as a float if `low <= value <= high`; other arguments and errors as for `finite`."""
+    """Return `value` as a float if `low <= value <= high`.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        low: The smallest number that is accepted.
+        high: The largest one.
+        unit: The unit that the argument is in, "" for a pure number.
+
+    Raises:
+        ValueError: If it is no finite number, or out of the range.
+    """
     number = finite(name, value, unit)
     if not low <= number <= high:
         raise BadArgument(name, f"must be between {low:g} and {high:g}{_spaced(unit)}, got {value}")
@@ -228,21 +257,45 @@ def instance(name: str, value: object, *kinds: type) -> object:
 
 
 def flag(name: str, value: object) -> bool:
-    """Return `value` if it is true or false, and nothing that merely looks like it; arguments as for `finite`."""
+    """Return `value` if it is true or false, and nothing that merely looks like it.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+
+    Raises:
+        ValueError: If it is not.
+    """
     if not isinstance(value, bool):
         raise BadArgument(name, f"must be true or false, got {shown(value)}")
     return value
 
 
 def text(name: str, value: object) -> str:
-    """Return `value` if it is a text; arguments as for `finite`."""
+    """Return `value` if it is a text.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+
+    Raises:
+        ValueError: If it is not.
+    """
     if not isinstance(value, str):
         raise BadArgument(name, f"must be a text, got {shown(value)}")
     return value
 
 
 def label(name: str, value: object) -> str:
-    """Return `value` if it can serve as a name: one line that is not blank; arguments as for `finite`."""
+    """Return `value` if it can serve as a name: one line that is not blank.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+
+    Raises:
+        ValueError: If it cannot.
+    """
     word = text(name, value)
     if not word.strip() or not word.isprintable():
         raise BadArgument(name, f"must be a text on one line that is not blank, got {word!r}")
@@ -250,7 +303,15 @@ def label(name: str, value: object) -> str:
 
 
 def hostname(name: str, value: object) -> str:
-    """Return `value` if it can be a host's name or address; arguments as for `finite`."""
+    """Return `value` if it can be a host's name or address.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+
+    Raises:
+        ValueError: If it cannot.
+    """
     word = text(name, value)
     with suppress(UnicodeError):
         word.encode("idna")

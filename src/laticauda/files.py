@@ -177,7 +177,7 @@ def to_json(content: Any, indent: int | None = 2) -> str:
     """The same as a text in JSON.
 
     Args:
-        content: As for `plain`.
+        content: Of numbers, texts, lists and mappings.
         indent: Of its lines; None: one line.
     """
     return json.dumps(plain(content), indent=indent, allow_nan=False)

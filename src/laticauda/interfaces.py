@@ -141,7 +141,7 @@ class Observation:
 class Start:
     """Where a run begins: straight, and at rest unless it is to coast."""
 
-    center_of_mass: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0), ge=-FAR, le=FAR)
+    center_of_mass: tuple[float, float] = quantity("m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR)
     heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
     velocity: float = quantity("m/s", "Forward, along the body", default=0.0, ge=-100.0, le=100.0)
     depth: float | None = quantity("m", "Axis depth at the center of mass, free root; None: its place's", default=None)
@@ -244,7 +244,7 @@ def fin_signals(
     """What the fin's joints do, as signals of a log: all of a driven root, angles and rates of passive hinges.
 
     Args:
-        joints: See `Robot.fin_joints`.
+        joints: About which the fin moves, from the root on: 0 is a driven root, 1 and on are passive hinges.
         angle: Of each of them [rad].
         rate: The same [rad/s].
         reference: What a driven one is asked for [rad].

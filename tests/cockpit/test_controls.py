@@ -13,7 +13,7 @@ import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
-from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, with_wave
+from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, OF_GAITS, with_wave
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.readouts import numbers_text
 from laticauda.cockpit.simulation import depth_of, path_of, route_of
@@ -64,11 +64,20 @@ def use(cockpit, handle, value):
     return page.told
 
 
+def test_what_the_page_says_has_no_underscores(cockpit):
+    handles = [one.handle for one in cockpit._controls.by_name.values()]
+    said = [text for handle in handles for text in (handle.label, *getattr(handle, "options", ()))]
+    assert "eel like" in said and "phase shift [°]" in said
+    assert [text for text in (*said, *OF_GAITS) if "_" in text] == []
+    use(cockpit, control(cockpit, "flow"), "swell")  # its numbers have fields of their own
+    assert [name for name, one in cockpit._controls.by_name.items() if "_" in one.handle.label] == []
+
+
 def test_every_control_acts_at_once(cockpit):
     live = cockpit.live
     assert use(cockpit, control(cockpit, "amplitude"), 42.0) == []
     assert math.degrees(live.scenario.gait.amplitude) == pytest.approx(42.0)
-    use(cockpit, control(cockpit, "kind"), "eel_like")
+    use(cockpit, control(cockpit, "kind"), "eel like")
     use(cockpit, control(cockpit, "fin"), "rigid")
     assert live.scenario.robot.caudal_fin.n_hinges == 0
     use(cockpit, control(cockpit, "fin"), "elastic")
@@ -237,7 +246,7 @@ def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
     gait = replace(GAIT, envelope=Custom(values=(1.0,) * 8))
     served = Cockpit(Live(lc.scenario("mamba", gait)), port=0)
     try:
-        assert use(served, control(served, "kind"), "eel_like") == []
+        assert use(served, control(served, "kind"), "eel like") == []
         assert served.live.scenario.gait.kind == "eel_like"
         assert use(served, control(served, "kind"), "custom") == []
         assert served.live.scenario.gait == gait

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from cockpit_browser import (
     FLAGS,
+    PHONE,
     SMALL,
     browser,
     changed,
@@ -22,6 +23,7 @@ from cockpit_browser import (
     height,
     need_chromium,
     number,
+    on_screen,
     open_page,
     picture,
     shots,
@@ -31,7 +33,8 @@ from cockpit_browser import (
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
-from laticauda.cockpit.scene import HOME
+from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME
+from laticauda.cockpit.shapes import poses
 from laticauda.cockpit.simulation import depth_of
 
 pytestmark = pytest.mark.slow
@@ -180,6 +183,23 @@ def test_pages_keep_their_own_view(chromium, cockpit):
     for page in (one, other):
         page.context.close()
     assert until(lambda: cockpit.pages == 0)
+
+
+def test_on_a_phone_the_robot_is_seen_above_the_panel(chromium, cockpit, tmp_path):
+    cockpit.live.paused = True
+    page = open_page(chromium, cockpit.address, PHONE)
+    assert until(lambda: [view.is_home for view in cockpit._cameras.all()] == [True])
+    camera = cockpit._cameras.all()[0].camera
+    handle = page.get_by_text("laticauda cockpit", exact=True)
+    panel = handle.locator("xpath=ancestor::*[contains(@class, 'mantine-Paper-root')]").bounding_box()
+    assert (panel["x"], panel["width"]) == (0.0, PHONE["width"])
+    parts = poses(cockpit.live.scenario.robot, cockpit.live.latest()).position
+    seen = [on_screen(camera.position, camera.look_at, FIELD_OF_VIEW, part, PHONE) for part in parts]
+    assert all(0.0 < x < PHONE["width"] and 0.0 < y < panel["y"] - 50.0 for x, y in seen)
+    page.screenshot(path=shots(tmp_path) / "phone.png")
+    handle.click()  # the panel folds up
+    page.get_by_text("forward velocity (5)").wait_for(state="hidden")
+    page.context.close()
 
 
 def test_a_browser_that_is_killed_harms_nothing(cockpit, tmp_path):

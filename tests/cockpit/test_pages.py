@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from laticauda.cockpit.pages import PageCamera, PageCameras
-from laticauda.cockpit.scene import AHEAD, HOME
+from laticauda.cockpit.scene import AHEAD, HOME, PHONE
 
 
 class Camera:
     """Stands for the camera of a page: remembers in which threads it was moved."""
 
     def __init__(self):
-        self.__dict__.update(position=np.array([9.0, 9.0, 9.0]), look_at=np.zeros(3), threads=set(), heard=None)
+        self.__dict__.update(
+            position=np.array([9.0, 9.0, 9.0]), look_at=np.zeros(3), threads=set(), heard=None, aspect=1.8
+        )
 
     def __setattr__(self, name, value):
         self.threads.add(threading.get_ident())
@@ -108,3 +110,17 @@ def test_a_camera_is_brought_home_until_its_page_says_so_and_then_keeps_the_dire
     asyncio.run(client.clicked(None))
     view.show(at[:2])
     np.testing.assert_allclose(camera.position, at + position)
+
+
+def test_the_camera_of_a_phone_stands_further_off_and_looks_below_the_robot():
+    client = Client()
+    view, camera = PageCamera(client), client.camera
+    camera.__dict__["aspect"] = 0.46
+    position, look_at = PHONE
+    at = np.array([3.0, -1.0, 0.0])
+    camera.report(*HOME)  # where every page begins
+    assert not view.is_home
+    view.show(at[:2])
+    np.testing.assert_allclose((camera.position, camera.look_at), (at + position, at + look_at))
+    camera.report(at + position, at + look_at)
+    assert view.is_home

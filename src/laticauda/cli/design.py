@@ -38,8 +38,10 @@ class Unknowns:
 
     after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
     parameters: Words = option("NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in sweeps, and what is known", default=())
-    criterion: str = option("To be small: D, volume of the possible; A, mean variance; NAME, a deviation", default="D")
-    rivals: Words = option("NAME: waters or parameter files: choose trials that tell which is true", default=())
+    criterion: str = option(
+        "What is minimized: D, volume of the possible; A, mean variance; NAME, its deviation", default="D"
+    )
+    rivals: Words = option("Waters or parameter files: choose trials that tell which of them is true", default=())
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 
 
@@ -47,20 +49,20 @@ class Unknowns:
 class Candidates:
     """Trials that could be done: every combination, and straight ones."""
 
-    gait: Literal["lateral-undulation", "eel-like", "both"] = option("Which gaits", default="lateral-undulation")
+    gait: Literal["lateral-undulation", "eel-like", "both"] = option("Kinds of gait", default="lateral-undulation")
     amplitudes: tuple[float, ...] = quantity(
-        "rad", "alpha of candidates", ge=0.0, le=math.pi, default=_degrees(20, 30, 40)
+        "rad", "Amplitudes alpha", ge=0.0, le=math.pi, default=_degrees(20, 30, 40)
     )
-    frequencies: tuple[float, ...] = quantity("rad/s", "omega of candidates", ge=0.0, default=_degrees(70, 110, 150))
+    frequencies: tuple[float, ...] = quantity("rad/s", "Frequencies omega", ge=0.0, default=_degrees(70, 110, 150))
     phase_shifts: tuple[float, ...] = quantity(
-        "rad", "delta of candidates", ge=-math.pi, le=math.pi, default=_degrees(30, 50)
+        "rad", "Phase shifts delta", ge=-math.pi, le=math.pi, default=_degrees(30, 50)
     )
     sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
     tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot", gt=0.0, default=(0.1, 0.4))
-    tow_angles: tuple[float, ...] = quantity("rad", "Angles of the robot to its way; 0: along", default=_degrees(0, 15))
-    coast_down: tuple[float, ...] = quantity("m/s", "At which it is let go", gt=0.0, le=100.0, default=(0.4,))
-    no_tow: bool = option("Neither tow nor coast-down", default=False)
-    no_swims: bool = option("Nothing that swims", default=False)
+    tow_angles: tuple[float, ...] = quantity("rad", "Angles between robot and tow; 0: along", default=_degrees(0, 15))
+    coast_down: tuple[float, ...] = quantity("m/s", "Speeds at which it is let go", gt=0.0, le=100.0, default=(0.4,))
+    no_tow: bool = option("Neither tows nor coast-downs", default=False)
+    no_swims: bool = option("No trials that swim", default=False)
     duration: float = quantity("s", "Duration of a swim", gt=0.0, le=1e5, default=30.0)
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
@@ -82,13 +84,13 @@ class DesignExperiment(Command):
 
     unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
     robot: str | None = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
-    base: str | None = option("Parameter file: numbers not identified, joint law; or the paper's", default=None)
+    base: str | None = option("Parameter file: numbers not identified, joint law; else the paper's", default=None)
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     candidates: Candidates = option("Trials that could be done", default=Candidates())
     output: Picture = option("A figure, .png, .pdf or .svg: uncertainty over the number of trials", default=None)
 
-    tank_day: Place = option("A new folder gets a list of runs and files to fill, a filled one is judged", default=None)
+    tank_day: Place = option("A new folder gets runs to do and files to fill in; a filled one is judged", default=None)
 
     def run(self) -> Outcome:
         """Judge, choose and draw."""

@@ -12,16 +12,16 @@ from laticauda.quantities import option, quantity, value
 class Drivers(command.Command):
     """List the drivers of devices, or try one alone: connect, listen, print what comes, how often, and how old it is.
 
-    Nothing moves: modules are asked to measure only. The status is 1 if nothing comes, or the driver has a trouble.
+    Nothing moves: modules are asked to measure only. The status is 1 if nothing comes, or the driver reports a fault.
 
     For example: laticauda drivers --mocap qtm@127.0.0.1:22223
     """
 
-    bus: str | None = option("Try this modules' bus: [DRIVER@]ADDRESS, as in a trial file", default=None)
-    mocap: str | None = option("Try this motion capture, likewise", default=None)
+    bus: str | None = option("Try this bus of modules: [DRIVER@]ADDRESS, as in a trial file", default=None)
+    mocap: str | None = option("Try this motion capture: [DRIVER@]ADDRESS", default=None)
     body: str | None = option("Its body, as in a trial file; the only one if left out", default=None)
-    meter: str | None = option("Try this power meter, likewise", default=None)
-    stop: str | None = option("Try this emergency-stop input, likewise", default=None)
+    meter: str | None = option("Try this power meter: [DRIVER@]ADDRESS", default=None)
+    stop: str | None = option("Try this emergency-stop input: [DRIVER@]ADDRESS", default=None)
     duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)
 
     def run(self) -> command.Outcome:

@@ -37,11 +37,11 @@ class What:
         "forward_velocity or mean_power, and series, as center_of_mass, heading, joint_angle, joint_torque",
         default=("center_of_mass=0.005",),
     )
-    interval: float = quantity("s", "Between the samples of series that count", gt=0.0, default=0.5)
-    columns: File = option("What the columns are of files that laticauda did not write: a TOML file", default=None)
+    interval: float = quantity("s", "Time between the samples of a series that count", gt=0.0, default=0.5)
+    columns: File = option("A TOML file of what the columns of somebody else's log are", default=None)
     table: File = option("Speeds, one row a trial: a CSV file with the columns of `reproduce --repeats`", default=None)
     table1: bool = option("The paper's Table 1 instead of files", default=False)
-    free_start: bool = option("Identify where trials began, if path or heading counts", default=True)
+    free_start: bool = option("Identify where the trials began, too, if path or heading counts", default=True)
 
 
 @value
@@ -49,7 +49,7 @@ class Fixed:
     """What stays as it is."""
 
     robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
-    base: str | None = option("Parameter file for the rest, with a joint law; or as the trials say", default=None)
+    base: str | None = option("Parameter file for the rest, with a joint law; else as the trials say", default=None)
     joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
     model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes long", default="planar")
 
@@ -61,9 +61,9 @@ class Method:
     noise: Literal["known", "estimated"] = option("Known as stated, or times an estimated factor", default="estimated")
     starts: int = quantity("", "How many starts the search has", ge=1, default=4)
     seed: int = quantity("", "Seed of the random starts", ge=0, default=0)
-    profiles: bool = option("Intervals from the likelihood itself too", default=False)
-    exact: bool = option("Leave out every measurement by a refit, not by the linearized model", default=False)
-    quick: bool = option("Leave out no groups", default=False)
+    profiles: bool = option("Intervals from the likelihood itself, too", default=False)
+    exact: bool = option("Leave out each measurement by a refit, not by the linearized model", default=False)
+    quick: bool = option("Skip the refits that leave out one group each", default=False)
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
 
@@ -81,7 +81,7 @@ class Identify(Command):
     files: Inputs = option("One TOML file that says all, or trials: netCDF, MCAP, or with --columns others", default=())
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
-    method: Method = option("How", default=Method())
+    method: Method = option("How it is fitted", default=Method())
     laws: Words = option("Parameter files as for --base, each fitted, beside null models", default=())
     name: str | None = option("Name of the parameter file; the task file's, or identified, if left out", default=None)
     output: Folder = option("Folder; made if need be, files of the same names are replaced", default="identification")

@@ -31,11 +31,11 @@ class Operate(command.Command):
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
     clear: bool = option("Clear faults of the modules first: you have looked at them", default=False)
     no_dashboard: bool = option("Plain lines instead of the dashboard, as where there is no terminal", default=False)
-    speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
+    speed: float = quantity("", "Multiple of real time, as that of the virtual tank", gt=0.0, default=1.0)
     repeats: int | None = quantity("", "Repeats of every setting; the file's if left out", ge=1, default=None)
-    bus: str | None = option("Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; or the file's", default=None)
-    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, such as 10.0.0.2:22223; or the file's", default=None)
-    meter: str | None = option("Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; or the file's", default=None)
+    bus: str | None = option("Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; else the file's", default=None)
+    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, as 10.0.0.2:22223; else the file's", default=None)
+    meter: str | None = option("Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; else the file's", default=None)
     supply_voltage: float | None = quantity("V", "Supply of the meter; the file's if left out", gt=0.0, default=None)
 
     def run(self) -> command.Outcome:

@@ -87,9 +87,9 @@ class Swim(Run):
     """
 
     resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
-    interval: bool = option("Intervals of the figures from those of textbook coefficients; 8 more runs", default=False)
+    interval: bool = option("Intervals of the figures, from the textbook coefficients'; 8 more runs", default=False)
 
-    beside: Files = option("Scenarios of further robots in the same scene; --save run.nc: run-1.nc, ...", default=())
+    beside: Files = option("Scenarios of more robots in the same scene; --save run.nc: run-1.nc, ..., too", default=())
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
@@ -249,7 +249,7 @@ def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None 
 
     Args:
         scenario: Of the robot.
-        frequency_limits: See `studies.averaged_model` [rad/s].
+        frequency_limits: Least and greatest frequency of these; None: a third below and above the gait's [rad/s].
     """
     from laticauda.studies import averaged_model
 
@@ -274,8 +274,8 @@ class Replay(Recording):
     file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
     estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
     kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
-    control: bool = option("Controller decides again, and compare its commands with the recorded", default=False)
-    learn: bool = option("Learn water, current and changes from the recorded samples, again or at all", default=False)
+    control: bool = option("Let the controller decide again, and compare with the recorded commands", default=False)
+    learn: bool = option("Learn water, current and changes of the robot from the recorded samples", default=False)
     plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None)
 
     def run(self) -> command.Outcome:

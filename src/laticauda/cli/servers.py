@@ -54,7 +54,7 @@ class Time:
     """Its clock, its chance, its faults."""
 
     speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
-    duration: float | None = quantity("s", "How long, by the lab's clock; until Ctrl-C if left out", default=None)
+    duration: float | None = quantity("s", "How long it runs, by the lab's clock; else until Ctrl-C", default=None)
     seed: int = quantity("", "Seed of all that is random", ge=0, default=0)
     faults: File = option("A schedule of what goes wrong (.toml)", default=None)
 
@@ -69,13 +69,13 @@ class LabCommand(Command):
     For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
     """
 
-    body: Body = option("What swims, where", default=Body())
+    body: Body = option("What swims, and where", default=Body())
     start: lc.Start = option("Where it lies, straight", default=lc.Start())
     coefficients: Water = option("Replace what the chosen water has")
     servos: lc.JointLaw = option("The servos' own numbers")
     scene: Scene = option("What is around it", default=Scene())
     wires: Wires = option("How it is reached", default=Wires())
-    time: Time = option("Its clock, its chance, its faults", default=Time())
+    time: Time = option("Clock, random numbers and faults of the tank", default=Time())
     save: Stored = option("Write the truth since the robot was put into the water (.nc, .csv, ...)", default=None)
 
     @classmethod

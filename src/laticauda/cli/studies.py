@@ -52,7 +52,7 @@ class SweepCommand(Study):
     For example: laticauda sweep --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50:20
     frequency-deg-s=50:150:20 normal-drag=1,1.75 --output sweep
 
-    The results are one xarray Dataset in sweep/results.zarr. Stopped or killed, the same command goes on.
+    The results are one xarray Dataset in sweep/results.zarr. After a stop or a kill, the same command goes on.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -68,7 +68,7 @@ class SweepCommand(Study):
     plot: Picture = option("Draw speed and cost of transport over what is varied (.png, .pdf, .svg)", default=None)
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
-    ] = option("What the table's points are best in: speed, power or cost", default="forward-velocity")
+    ] = option("Which figure the table's points are the best in", default="forward-velocity")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
@@ -129,8 +129,8 @@ class Optimize(Study):
     For example: laticauda optimize --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50
     frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed 1 --output optimum
 
-    Writes front.csv, front.nc and, for two objectives, the figure front.png. Stopped or killed, the same command goes
-    on.
+    Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a kill, the same command
+    goes on.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -139,15 +139,18 @@ class Optimize(Study):
         default=(),
     )
     objective: Words = option(
-        "One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport "
-        "(small). Two give the front between them; speed-power stands for forward-velocity mechanical-power",
+        "One or two of forward-velocity, steady-velocity (maximized), mechanical-power, mean-power, "
+        "cost-of-transport (minimized). Two give the front between them; "
+        "speed-power stands for forward-velocity mechanical-power",
         default=(BOTH,),
     )
-    budget: int = quantity("", "How many points to try; a greater goes on where a smaller ended", ge=1, default=4000)
-    population: int | None = quantity("", "In a generation; left out 100, for one objective 40", ge=1, default=None)
+    budget: int = quantity("", "How many points to try; a larger budget goes on from a smaller one", ge=1, default=4000)
+    population: int | None = quantity(
+        "", "Points in a generation; if left out 100, or 40 for one objective", ge=1, default=None
+    )
     seed: int = quantity("", "Seed of everything random; another one takes another way", ge=0, default=0)
-    limits: Limits = option("What gaits have to keep to", default=Limits())
-    output: Folder = option("The folder of results; what was stopped goes on there, if run again", default="optimum")
+    limits: Limits = option("Limits that gaits have to keep", default=Limits())
+    output: Folder = option("The folder of results; a stopped search goes on there when run again", default="optimum")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""

@@ -115,9 +115,9 @@ class Controls:
         self.by_name[name] = Control(handle, shown, changes)
 
     def _add_gait(self, gui: Any, gait: Gait) -> None:
-        names = tuple(dict.fromkeys((*kinds(), gait.kind)))
-        handle = gui.add_dropdown("gait", names, hint=_hint(Gait, "envelope"))
-        self._add("kind", handle, lambda now: now.gait.kind, lambda kind: {"gait": self._of_kind(kind)})
+        names = {_words(kind): kind for kind in (*kinds(), gait.kind)}
+        handle = gui.add_dropdown("gait", tuple(names), hint=_hint(Gait, "envelope"))
+        self._add("kind", handle, lambda now: _words(now.gait.kind), lambda it: {"gait": self._of_kind(names[it])})
         self._add_wave(gui, "", LIMITS["gait"])
 
     def _add_wave(self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]) -> None:
@@ -125,7 +125,7 @@ class Controls:
         kind: type = Wave if wave else Gait
         for field, (low, high, step) in limits.items():
             unit = quantities_of(kind)[field].unit
-            label = f"{wave}{field} [{unit.replace('rad', '°')}]".replace("_", " ")
+            label = _words(f"{wave}{field} [{unit.replace('rad', '°')}]")
             hint = _hint(kind, field, unit.replace("rad", "deg"))
             handle = gui.add_slider(label, low, high, step, max(low, 0.0), hint=hint)
 
@@ -212,7 +212,7 @@ class Controls:
 
             with self._numbers:
                 add = self._gui.add_vector3 if isinstance(value, tuple) else self._gui.add_number
-                label = f"{field} [{declared.unit.replace('rad', '°') or '-'}]".replace("_", " ")
+                label = _words(f"{field} [{declared.unit.replace('rad', '°') or '-'}]")
                 handle = add(label, value, step=step, hint=_hint(type(flow), field))
             handle.on_update(self._listen)
             self._add(f"{IN_FLOW}{field}", handle, shown, changes)
@@ -267,6 +267,11 @@ def _fin_of(robot: Robot) -> str:
     if robot.caudal_fin is None:
         return "none"
     return "elastic" if robot.caudal_fin.n_hinges else "rigid"
+
+
+def _words(name: str) -> str:
+    """What the page calls something."""
+    return name.replace("_", " ")
 
 
 def _hint(kind: type, field: str, unit: str = "") -> str:

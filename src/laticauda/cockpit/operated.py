@@ -108,7 +108,7 @@ class OperatedRobot:
         self._feed: Feed | None = None
         self._header: Header | None = None
         self._body = Body(pictures, "operated")
-        self._trail = Trail(pictures, "/operated_trail", TRAIL)
+        self._trail = Trail(pictures, "/operated trail", TRAIL)
         gui.add_markdown(
             "The robot that `laticauda operate` moves, as its recording says; read-only. "
             "`laticauda cockpit --operated FOLDER` shows the newest one in a folder."

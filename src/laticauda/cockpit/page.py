@@ -15,6 +15,7 @@ from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
 SLOW = 5  # pictures between two updates of numbers and plots
+STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text()}</style>"
 
 
 class Cockpit:
@@ -47,6 +48,7 @@ class Cockpit:
         camera = self._server.initial_camera
         camera.position, camera.look_at = scene.HOME
         camera.fov = scene.FIELD_OF_VIEW
+        gui.add_html(STYLE)
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):

@@ -25,9 +25,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from laticauda.access import Door
-from laticauda.cockpit.scene import HOME
+from laticauda.cockpit.scene import HOME, PHONE
 from laticauda.errors import LaticaudaError, optional_import
 
+NARROW = 0.7  # width to height of a phone that is held upright, or less [-]
 PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
 """The page talks to its own server alone (viser's would follow an address in the link), and stands in no other one."""
@@ -197,7 +198,7 @@ class PageCamera:
         """
         if self.is_home and not self.follows.value:
             return
-        position, look_at = (np.array(part) for part in HOME)
+        position, look_at = self._home
         # What a slow page reports is old, but its direction and distance are right.
         offset = self.camera.position - self.camera.look_at if self.is_home else position - look_at
         target = look_at + np.array([*at, 0.0][:3], dtype=float)
@@ -205,12 +206,17 @@ class PageCamera:
             warnings.simplefilter("ignore", UserWarning)  # that a page has just vanished
             self.camera.position, self.camera.look_at = target + offset, target
 
+    @property
+    def _home(self) -> np.ndarray:
+        """Where it begins and what it looks at then, from the robot [m]."""
+        return np.array(PHONE if self.camera.aspect < NARROW else HOME)
+
     async def _go_home(self, event: Any) -> None:
         self._until = time.monotonic() + PATIENCE
 
     async def _reported(self, camera: Any) -> None:
         # A page that has just been opened reports where its camera was before it was brought here.
-        if np.allclose(camera.position - camera.look_at, np.subtract(*HOME), atol=0.02):
+        if np.allclose(camera.position - camera.look_at, np.subtract(*self._home), atol=0.02):
             self._until = 0.0
 
 

@@ -33,6 +33,9 @@ SOLID: Color = (204, 224, 230)
 ABOVE = math.radians(34.0)  # the robot's plane, where a camera begins [rad]
 HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.0, 0.0))
 """Where a camera begins, beside the robot and above it, and what it looks at [m]."""
+BELOW = np.array((0.0, 0.0, -1.35))  # what a phone's camera looks at, from the robot: the panel hides the bottom [m]
+PHONE = (BELOW + 1.9 * np.subtract(*HOME), BELOW)
+"""The same on a page that is far higher than wide."""
 FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
 PER_NEWTON = 0.06  # length of an arrow [m]
 LOOKS = read_toml(Path(__file__).with_suffix(".toml"))

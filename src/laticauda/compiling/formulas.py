@@ -89,7 +89,7 @@ def check(
     Args:
         formula: Of a law.
         numbers: The law's own.
-        record: As for `in_numbers`.
+        record: The named tuple that the formula takes last; None: numbers only.
         example: What it is called with, the record's numbers at the end.
         count: How many numbers it must return.
         results: What they are, in words.

@@ -69,7 +69,15 @@ class LineOfSight(Guidance[None]):
         """No state."""
 
     def step(self, state: None, frame: PathFrame, heading: float, dt: float, is_saturated: bool) -> tuple[None, float]:
-        """The heading to take; arguments as for `Guidance`."""
+        """The heading to take [rad].
+
+        Args:
+            state: None.
+            frame: The position seen from the path.
+            heading: Theta of the robot [rad].
+            dt: Time since the last call, 0 at the first [s].
+            is_saturated: Whether the offset was at its limit during that time.
+        """
         return None, _aimed(frame, frame.cross_track_error / self.look_ahead_distance, heading)
 
 
@@ -97,7 +105,15 @@ class IntegralLineOfSight(Guidance[float]):
     def step(
         self, state: float, frame: PathFrame, heading: float, dt: float, is_saturated: bool
     ) -> tuple[float, float]:
-        """The integral [s] and the heading to take; arguments as for `Guidance`."""
+        """The integral [s] and the heading to take [rad].
+
+        Args:
+            state: The integral, as the last call returned it, or `init` [s].
+            frame: The position seen from the path.
+            heading: Theta of the robot [rad].
+            dt: Time since the last call, 0 at the first [s].
+            is_saturated: Whether the offset was at its limit during that time.
+        """
         delta, error = self.look_ahead_distance, frame.cross_track_error
         if not is_saturated:
             aim = error + self.integral_gain * state
@@ -132,7 +148,7 @@ class HeadingController:
         (0.2, False)
     """
 
-    gain: float = quantity("", "k", gt=0.0)
+    gain: float = quantity("", "k, offset per heading error", gt=0.0)
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
 
     def offset(self, *, heading_ref: float, heading: float) -> tuple[float, bool]:

@@ -71,7 +71,9 @@ class PathFollowing(Controller[PathFollowingState]):
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
     observer: CurrentObserver | None = option("Of the current, against which it then points; None: no", default=None)
-    max_crab_angle: float = quantity("rad", "Farthest upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi)
+    max_crab_angle: float = quantity(
+        "rad", "Largest angle by which it points upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi
+    )
 
     def __post_init__(self) -> None:
         """Check every field once."""

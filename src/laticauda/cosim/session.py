@@ -97,7 +97,7 @@ class History:
         """The quantities of these names after a moment.
 
         Args:
-            names: As in `Log.series`.
+            names: Of the quantities, each one of a sample's (`Log`).
             since: Later samples only [s].
 
         Raises:

@@ -149,7 +149,7 @@ class Plant(ABC, Generic[ModelType]):
         Args:
             state: Where it starts.
             command: Held all the while.
-            duration: [s].
+            duration: How long [s].
             sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
             link_forces: Log the force on every link too.
 
@@ -174,11 +174,11 @@ class Plant(ABC, Generic[ModelType]):
         """The same, with samples that have no names yet.
 
         Args:
-            state: As for `march`, like the others.
-            command: Held.
-            duration: [s].
-            sample_interval: [s].
-            link_forces: Keep the force on every link too.
+            state: Where it starts.
+            command: Held all the while.
+            duration: How long [s].
+            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
+            link_forces: Whether to keep the force on every link too.
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)

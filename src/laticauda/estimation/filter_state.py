@@ -103,9 +103,9 @@ class Gaussian:
         """How far off a measurement is, squared, in units of its expected spread (chi-squared, m degrees) [-].
 
         Args:
-            residual: As in `update`, and so are the others.
-            sensitivity: H.
-            noise: R.
+            residual: Measured minus expected; angles wrapped.
+            sensitivity: H, derivative of the measurement with respect to what is estimated.
+            noise: R, covariance of the measurement.
         """
         spread = sensitivity @ self.covariance @ sensitivity.T + noise
         return float(residual @ np.linalg.solve(spread, residual))

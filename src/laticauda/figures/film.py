@@ -64,7 +64,7 @@ class Film(FuncAnimation):
 
         Args:
             filename: The file; an older one is replaced.
-            how: As for matplotlib's `Animation.save`, which then writes it.
+            how: Arguments of matplotlib's `Animation.save`, which then writes it.
             more: The same.
         """
         ending = Path(filename).suffix.lower()

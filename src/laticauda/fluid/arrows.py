@@ -92,7 +92,7 @@ def arrows_of(
     """The arrows that suit what is shown; None where the water stands still.
 
     Args:
-        velocity: As for `Arrows`.
+        velocity: Of the water at points, shape (n, n_axes) [m], at a time [s], of the same shape [m/s].
         low: One corner of it, in the plane or in space [m].
         high: The other [m].
         times: Some in which it is shown [s].

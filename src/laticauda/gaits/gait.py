@@ -172,7 +172,7 @@ class Wave:
             self, *, phase: float = 0.0, phase_deg: float = 0.0, envelope: Envelope = ..., **numbers: Unpack[WaveFields]
         ) -> None: ...
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
     phase: float = quantity("rad", "lead over the yaw wave, at tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
@@ -206,7 +206,7 @@ class Gait:
 
         def __init__(self, *, envelope: Envelope = ..., **fields: Unpack["GaitFields"]) -> None: ...
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi)
     offset: float = quantity("rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0)
@@ -284,7 +284,7 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
     Args:
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
             degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin. See `Gait`.
+            joints and of a driven fin; recorded, angles that the wave adds to.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -300,7 +300,9 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
     """Body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
-        fields: As for `lateral_undulation`.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
+            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
+            joints and of a driven fin; recorded, angles that the wave adds to.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -320,7 +322,9 @@ def custom_gait(
     Args:
         envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most joint, as in (3).
         n_links: n; needed when `envelope` is a function, and checked against the number of its values otherwise.
-        fields: As for `lateral_undulation`.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
+            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
+            joints and of a driven fin; recorded, angles that the wave adds to.
 
     Raises:
         ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is missing, or the

@@ -142,7 +142,7 @@ def wave_motion(
 
     Args:
         wave: Where it stands.
-        target: As for `advance_wave`.
+        target: Amplitude, frequency, phase shift and offset that it is to have.
         bandwidth: w, of its filters [rad/s].
         ramp: From `smooth_start`.
     """

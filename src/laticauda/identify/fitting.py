@@ -77,7 +77,8 @@ def fit(
         threads: How many to compute with; None takes all cores that this process may use.
         progress: Called now and then with the share that is finished, from 0 to 1.
         keep: Called with the best values by name and their sum of squares, whenever there are better ones.
-        changes: Of the model, as `joints`; see `laticauda.scenarios.ModelChanges`.
+        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
+            `laticauda.scenarios.ModelChanges`.
 
     Returns:
         Values, intervals, correlations, predictions, and what the data do not see.
@@ -113,7 +114,7 @@ def solve(
         method: How.
         start: Values to begin with instead of the problem's own.
         progress: Called now and then with the share that is finished.
-        keep: See `fit`.
+        keep: Called with the best values by name and their sum of squares, whenever there are better ones.
     """
     _check_enough(problem, method)
     searches: list[result.LocalSearch] = []

@@ -66,7 +66,7 @@ def identifiability(
     Args:
         information: F, of the data alone.
         unknowns: In its order.
-        limit: See `LIMIT`.
+        limit: A combination whose standard deviation is more than this share of itself counts as not seen [-].
     """
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)

@@ -184,8 +184,9 @@ def from_trial(
         series: The same for series; of a path in space its x and y.
         every: Which samples of the series count: every so many. Samples so close that their noise is the same
             noise say nothing new, and a fit that counts them all is too sure of itself.
-        group: See `Measurement`.
-        free_start: See `Measurement`. The first sample has noise as all others have: taken for exact, it pushes them.
+        group: Which measurements it belongs with, to be left out together; "": those of its gait, with or without fin.
+        free_start: Whether where it began is unknown to a fit, if a path or a heading counts; False: the start is
+            exact. The first sample has noise as all others have: taken for exact, it pushes them.
 
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.

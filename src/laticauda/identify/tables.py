@@ -32,7 +32,7 @@ def from_table1(
     Args:
         figure: forward_velocity, or mean_power.
         sigma: Standard deviation of the noise as a share of the value [-].
-        selected_from: See `Measurement`, of the rows with a star.
+        selected_from: Of how many settings that are about as good a row with a star was taken for being the best [-].
 
     Raises:
         ValueError: If an argument is out of its range.

@@ -156,7 +156,7 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silen
 
     Args:
         day: From `load_day`.
-        threads: See `laticauda.identify.fit`.
+        threads: How many to compute with; None takes all cores that this process may use.
         progress: Called with the share that is finished.
 
     Raises:

@@ -220,7 +220,7 @@ def compare_laws(
     Args:
         measurements: What was measured.
         laws: Parameter files, presets or paths: what is not fitted of water, joints and robot.
-        parameters: See `fit`.
+        parameters: Names of what is identified, or `Unknown`s with ranges and priors.
         how: Further arguments of `fit`.
 
     Returns:

@@ -120,7 +120,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/joint_states".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             names: Of the joints, tail first.
             position: Their angles [rad].
             velocity: Their rates [rad/s]; empty if not known.
@@ -141,7 +141,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/body".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             position: x, y, z [m].
             quaternion: Its orientation w, x, y, z [-].
             frame: Whose axes these are.
@@ -155,7 +155,7 @@ class Recorder:
         """Record where frames are, on /tf (tf2_msgs/TFMessage).
 
         Args:
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             frames: By name: position x, y, z [m] and orientation w, x, y, z [-].
             parent: In whose axes.
         """
@@ -168,7 +168,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/power/electrical".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             value: The number.
             unit: Its unit.
         """
@@ -179,7 +179,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/link_force".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             values: An array of numbers.
             unit: Their unit.
             labels: Names of its axes.
@@ -197,7 +197,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/can".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             identifier: Of the frame.
             data: Up to 8 bytes.
 
@@ -219,7 +219,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/settings".
-            time: When, as for `message` [s].
+            time: When it happened, not negative: since the start of the run, or since 1970 [s].
             content: The data.
         """
         self.message(topic, time, "std_msgs/String", (json.dumps(content),), unit="json")

@@ -105,7 +105,8 @@ def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
     Args:
         x: [m].
         y: [m].
-        nodes: See `Terrain.nodes`.
+        nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as `Terrain.nodes` has
+            them.
     """
     n, m = int(nodes[4]), int(nodes[5])
     u, v = (x - nodes[0]) / nodes[2], (y - nodes[1]) / nodes[3]

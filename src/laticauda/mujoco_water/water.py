@@ -62,8 +62,9 @@ class Water:
         """Let the water of this model, and of copies that are made of it later, move so from now on.
 
         Args:
-            current: As for `attach`; None: as it was attached. A water keeps the last 64 flows that it was given; a
-                copy whose flow is none of them any more is refused.
+            current: Its velocity, world axes [m/s], a flow, or a function of x, y, z [m] and t [s] like one; None: as
+                it was attached. A water keeps the last 64 flows that it was given; a copy whose flow is none of them
+                any more is refused.
         """
         self._live().opt.o_friction[:4] = _motion(self.numbers, self.options["current"] if current is None else current)
 

@@ -40,7 +40,7 @@ class Repeats:
         """Mean and standard deviation of a figure of the summary; one run has no deviation, and none gives None.
 
         Args:
-            name: As in `Result.summary`.
+            name: Of the figure, as `forward_velocity`; those that `Result.summary` has.
         """
         known = [value for result in self.accepted if (value := result.summary().get(name)) is not None]
         return mean_and_deviation(known) if known else None

@@ -103,7 +103,8 @@ class Runs:
         Args:
             name: Which one it is.
             scenario: What is run.
-            until: See `laticauda.simulate.run`.
+            until: Asked at every control instant after the first; once it says yes the run is over, before its
+                duration.
 
         Raises:
             SimulationFailed: If the run blows up; the message says which.

@@ -35,7 +35,7 @@ class Film:
     size: tuple[int, int] = quantity("", "Width and height in pixels", ge=64, le=4096, default=(1280, 720))
     frames_per_second: float = quantity("1/s", "Pictures in a second of the film", gt=0.0, le=240.0, default=30.0)
     begin: float | None = quantity("s", "Time of the trial at which it begins; its start if left out", default=None)
-    end: float | None = quantity("s", "The same of its end", default=None)
+    end: float | None = quantity("s", "Time of the trial at which it ends; its end if left out", default=None)
     camera: Camera = option("`follow` turns with it, `side` is beside, `top` above, `fixed` sees all", default="follow")
 
     def span(self, trial: Trial) -> tuple[float, float]:
@@ -90,7 +90,7 @@ def look(
         center: Its center of mass [m].
         heading: Its direction [rad].
         aspect: Width of the picture to its height [-].
-        camera: See `view`.
+        camera: `follow` turns with the robot, `side` is beside it, `top` above, `fixed` stays.
         wide: What it is to see at least [m].
     """
     down, aside = DIRECTIONS[camera]

@@ -163,9 +163,9 @@ def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: floa
 
     Args:
         scene: A `MjvScene` that is about to be drawn.
-        trial: As for `trail_points`.
-        time: The same [s].
-        height: The same [m].
+        trial: Any trial.
+        time: Within the trial's time [s].
+        height: At which a planar robot swims [m].
         width: Of the line [pixels].
     """
     points = trail_points(trial, time, height)

@@ -264,7 +264,7 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
 
     Args:
         text: Interface, then channel and port, which may be left out.
-        hops: As in `BusAddress`.
+        hops: Routers that frames of udp_multicast may pass [-].
 
     Raises:
         ValueError: If it is none.

@@ -176,7 +176,7 @@ def in_digits(value: float, form: str = "") -> str:
 
     Args:
         value: Any number.
-        form: As in `format`; "" shows six digits.
+        form: Of the number, as Python's `format` takes it; "" shows six digits.
     """
     text = format(value, form or "g")
     if not any(digit in text for digit in "123456789"):
@@ -223,7 +223,7 @@ def span(values: Iterable[float], form: str = "") -> str:
 
     Args:
         values: At least one.
-        form: As in `format`.
+        form: Of the number, as Python's `format` takes it.
     """
     known = [*values]
     low, high = in_digits(min(known), form), in_digits(max(known), form)

@@ -45,7 +45,7 @@ class Water:
     trailing_edge: Literal["none", "elongated"] = option(
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
-    current: Current = quantity("m/s", "V, velocity that it has, world axes, or a flow", default=(0.0, 0.0))
+    current: Current = quantity("m/s", "V, velocity of the water in world axes, or a flow", default=(0.0, 0.0))
     depth: float | None = quantity("m", "Axis depth; None: far below, flows as at the surface", gt=0.0, default=None)
 
     def __post_init__(self) -> None:

@@ -266,7 +266,7 @@ def current_of(given: Any, folder: Path | None = None) -> Any:
         folder: Where relative paths start; None for the working directory.
 
     Raises:
-        RobotFileError: See `load_current`.
+        RobotFileError: If there is no such current (`RobotNotFound`), or its file is wrong.
     """
     if isinstance(given, list):
         return [current_of(one, folder) for one in cast("list[Any]", given)]

@@ -158,7 +158,7 @@ class Parameters:
         """The water for a kind of gait.
 
         Args:
-            gait_kind: As in `laticauda.Gait.kind`; one without a water of its own has that of every gait.
+            gait_kind: Its name, as `eel_like`; one without a water of its own has that of every gait.
         """
         return self.own.get(gait_kind, self.every_gait)
 
@@ -167,7 +167,7 @@ class Parameters:
 
         Args:
             robot: What swims; a table for a fin does nothing to a robot without one.
-            gait_kind: As in `laticauda.Gait.kind`.
+            gait_kind: Its name, as `eel_like`.
 
         Raises:
             ValueError: If a number does not go with what the robot has.

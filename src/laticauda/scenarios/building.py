@@ -60,7 +60,8 @@ def scenario(
         robot: What swims, or a preset's name, or the path of a file.
         motion: The gait, or the controller.
         duration: Of the run [s].
-        changes: See `Changes`.
+        changes: What else differs from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
+            or of the model `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If something is out of its range, or does not go together.
@@ -137,7 +138,7 @@ def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -
     Args:
         robot: What swims.
         name: Of a preset or a file, or ``textbook``; None: `default_water`.
-        gait: See `default_water`.
+        gait: What its joints do, for which the default water of Mamba has coefficients; None: lateral undulation.
 
     Raises:
         RobotFileError: If there is none of that name, or its file is wrong.

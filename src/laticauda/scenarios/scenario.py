@@ -24,8 +24,12 @@ class _Model:
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("1/s", "Gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER)
-    loop_delay: float = quantity("s", "From what a controller sees to its command at the joints", default=0.0, ge=0.0)
+    offset_bandwidth: float = quantity(
+        "1/s", "Bandwidth of the gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER
+    )
+    loop_delay: float = quantity(
+        "s", "Time from what a controller sees to its command at the joints", default=0.0, ge=0.0
+    )
     ramp: float | None = quantity("s", "Smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
@@ -116,7 +120,7 @@ class Scenario:
     robot: Robot = option("What swims")
     motion: Gait | Controller[Any] = option("What the joints are asked for: a gait, or a controller that steers one")
     environment: Environment = option("The water it swims in or the ground it crawls on")
-    model: Model = option("By which model", default=Planar())
+    model: Model = option("The model that computes the run", default=Planar())
     start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
     duration: float = quantity("s", "Duration of the run", default=30.0, gt=0.0, le=1e6)
     sample_interval: float = quantity(

@@ -54,7 +54,7 @@ def kept(block: Block, before: np.ndarray) -> np.ndarray:
 
     Args:
         block: What they left behind.
-        before: See `Steady`.
+        before: The number of the last sample before each one's steady part.
     """
     k, p = np.arange(before.size), block.center_of_mass
     around = block.log[before, :PATH_ROWS, k], block.log[before + 1, :PATH_ROWS, k]

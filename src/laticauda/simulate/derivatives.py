@@ -94,17 +94,19 @@ def sensitivities(
     servo), it is differentiated on either side of it; over a trial that does not show.
 
     Args:
-        robots: See `swim_many`; time steps do not change with a parameter.
-        gaits: See `swim_many`.
-        duration: See `swim_many` [s].
+        robots: The scenarios, all planar, of one duration and sample interval, without controllers; or what swims, with
+            their gaits. Time steps do not change with a parameter.
+        gaits: What the joints are asked for, one or one for each; left out with scenarios.
+        duration: Of every trial [s].
         names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
             `robot.module.mass` (of all modules alike); see `laticauda.simulate.numbers`.
-        environments: See `swim_many`.
-        starts: See `swim_many`.
-        sample_interval: See `swim_many` [s].
-        threads: See `swim_many`.
-        progress: See `swim_many`.
-        changes: See `swim_many`; a fluid law that branches is differentiated on the branch that it takes.
+        environments: Waters or grounds, one or one for each; None takes `default_water` of each robot and gait.
+        starts: Where each begins; None: at the origin, along x.
+        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
+        threads: How many to compute with; None takes all cores that this process may use.
+        progress: Called now and then with the share that is finished, from 0 to 1.
+        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
+            `laticauda.scenarios.ModelChanges`. A fluid law that branches is differentiated on the branch that it takes.
 
     Returns:
         Figures and derivatives, as arrays.
@@ -205,12 +207,13 @@ def slopes(
     Args:
         runs: From `laticauda.simulate.many.runs_of`; steps in time stay what they are there.
         numbers: What each is differentiated to.
-        duration: See `swim_many` [s].
-        sample_interval: See `swim_many` [s].
-        threads: See `swim_many`.
-        progress: See `swim_many`.
-        look: See `laticauda.simulate.many.collected`; all numbers there are complex, see `laticauda.planar.batch`.
-        with_joints: See there.
+        duration: Of every trial [s].
+        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
+        threads: How many to compute with; None takes all cores that this process may use.
+        progress: Called now and then with the share that is finished, from 0 to 1.
+        look: Called once per block, in the threads that compute, before the next one overwrites its log; all numbers
+            there are complex, see `laticauda.planar.batch`.
+        with_joints: Whether it finds what the joints did in the log, too.
 
     Raises:
         ValueError: If a number cannot change on either side, or another argument is out of its range.

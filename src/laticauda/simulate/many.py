@@ -115,8 +115,9 @@ def swim_many(
         device: cpu, or what an installed package brings: cuda for a GPU, with `laticauda-cuda` (experimental), one
             planar trial per thread of it. It pays for thousands of trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
-        changes: Of the model, see `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but
-            takes its lanes one by one.
+        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
+            `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but takes its lanes one by
+            one.
 
     Returns:
         The figures, as arrays.
@@ -242,12 +243,12 @@ def collected(
 
     Args:
         runs: What swims how.
-        duration: See `swim_many` [s].
-        sample_interval: See `swim_many` [s].
-        threads: See `swim_many`.
-        progress: See `swim_many`.
+        duration: Of every trial [s].
+        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
+        threads: How many to compute with; None takes all cores that this process may use.
+        progress: Called now and then with the share that is finished, from 0 to 1.
         weights: What the robots carry [N]; complex if their runs have slopes.
-        device: See `swim_many`.
+        device: cpu, or what an installed package brings, as cuda.
         look: Called once per block, in the threads that compute, before the next one overwrites its log; cpu only.
         with_joints: Whether it finds what the joints did in the log, too.
     """

@@ -106,7 +106,9 @@ def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching])
     Args:
         scenario: What decides the run.
         plant: Made of it.
-        how: As for `run`: `link_forces`, `until`, `throw`, `progress`.
+        how: `link_forces`: log the force on every link too; `until`: asked at every control instant, ends the run when
+            it says yes; `throw`: raise when the run blows up; `progress`: called now and then with the time reached
+            [s].
     """
     # What swims there, the planar robot for instance, and what the scenario leaves open, as the time step.
     scenario = replace(scenario, robot=plant.robot, model=plant.settings)
@@ -139,7 +141,7 @@ def run_all(
         march: As `Plant.advance`, for all of them at once.
         until: Asked of the first one.
         check: Refuses states to begin with.
-        progress: See `run`.
+        progress: Called now and then with the time reached [s].
 
     Raises:
         ValueError: If an argument is out of its range, or a controller refuses its robot.
@@ -267,7 +269,10 @@ def resume(
         trial: A trial that ran to its end.
         duration: How much longer [s].
         controller: None goes on with the trial's gait. A controller starts from its own initial state.
-        how: As for `run`: `sample_interval`, `link_forces`, `until`, `throw`, `progress`.
+        how: `link_forces`: log the force on every link too; `until`: asked at every control instant, ends the run when
+            it says yes; `throw`: raise when the run blows up; `progress`: called now and then with the time reached
+            [s];
+            `sample_interval`: between two samples of the log [s].
 
     Returns:
         The trial of the second part; `laticauda.joined` puts the two together.
@@ -335,9 +340,9 @@ def swim(
         gait: What the joints are asked for (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; left
             out with a scenario.
         duration: With a robot [s].
-        link_forces: See `laticauda.simulate.run`.
-        throw: See `laticauda.simulate.run`.
-        progress: See `laticauda.simulate.run`.
+        link_forces: Log the force on every link too.
+        throw: Raise when the run blows up, instead of returning a trial that says so.
+        progress: Called now and then with the time reached [s].
         changes: With a robot, what else differs from the defaults, `environment`, `model`, `joints`, `dt` and the
             like, see `laticauda.scenarios.Changes`.
 

@@ -98,7 +98,8 @@ def write_mjcf(
         path: The file (.xml); an older one is replaced.
         robot: What swims.
         environment: The water it swims in or the ground it crawls on.
-        meshes: As for `spec`.
+        meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters; none takes the shapes
+            that come with laticauda.
         options: Of `spec`.
 
     Raises:

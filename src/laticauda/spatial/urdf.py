@@ -69,7 +69,8 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
     Args:
         path: The file (.urdf); an older one is replaced.
         robot: What swims.
-        meshes: As for `mjcf.spec`.
+        meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters; none takes the shapes
+            that come with laticauda.
 
     Raises:
         ValueError: If an argument is out of its range.

@@ -58,7 +58,8 @@ def connected(address: str | None) -> Generator[Any]:
     """A client of a cluster while it is needed.
 
     Args:
-        address: See `connect`; None: there is no cluster, and None instead of a client.
+        address: Of its scheduler, as `dask scheduler` prints it, tcp://host:8786; None: there is no cluster, and None
+            instead of a client.
     """
     if address is None:
         yield None

@@ -47,8 +47,10 @@ class Limits:
     """What a point has to keep to, besides the joints' limits, to be feasible."""
 
     joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
-    least_velocity: float | None = quantity("m/s", "Least that will do; the cheapest just moves", gt=0.0, default=None)
-    beyond_actuators: bool = option("Count gaits that ask too much of actuators, or whose links overlap", default=False)
+    least_velocity: float | None = quantity(
+        "m/s", "Smallest velocity that will do; without it, the cheapest gait hardly moves", gt=0.0, default=None
+    )
+    beyond_actuators: bool = option("Allow what asks too much of actuators, or whose links overlap", default=False)
 
 
 @value
@@ -125,7 +127,7 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     Args:
         optimization: What is optimized.
         table: The points, a row each.
-        threads: See `laticauda.simulate.swim_many`.
+        threads: How many to compute with; None takes all cores that this process may use.
 
     Returns:
         By name, a value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for feasible

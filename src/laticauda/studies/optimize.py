@@ -195,7 +195,8 @@ def optimize(
         population: Points in a generation; None takes 100 for two objectives, 40 for one.
         seed: Of everything random; another one takes another way.
         progress: Called at the start and after every generation with the number of points tried, and of all.
-        threads: See `laticauda.simulate.swim_many`; the result does not depend on it.
+        threads: How many to compute with; None takes all cores that this process may use. The result does not depend on
+            it.
 
     Returns:
         The points that no other one beats, of all that were tried.

@@ -121,7 +121,7 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
     attributes `n_trials` and `n_finished` count them.
 
     Args:
-        folder: As for `run_sweep`.
+        folder: Where the sweep is stored.
 
     Raises:
         ValueError: If the folder holds no sweep.

@@ -124,7 +124,7 @@ def swim_points(
         scenario: What all trials share.
         names: Of the parameters, a column of the table each.
         table: The points, a row each.
-        threads: See `laticauda.simulate.swim_many`.
+        threads: How many to compute with; None takes all cores that this process may use.
 
     Returns:
         A value per point of every quantity in `QUANTITIES`; nan where a run blew up, or where there is none.

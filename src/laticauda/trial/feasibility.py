@@ -97,10 +97,10 @@ def peaks(
     """The figures of many runs; of one that diverged they mean nothing.
 
     Args:
-        robots: See `duty`.
+        robots: One per run; the planar ones for runs in the plane.
         angle: phi [rad].
-        rate: See `duty` [rad/s].
-        torque: See `duty` [N m].
+        rate: phi' of the driven joints, tail first, then that of a driven fin [rad/s].
+        torque: u [N m].
         counts: Which samples do, see `settled`.
         most: In how many curled postures of a run links may be looked for that cross, evenly over the run.
     """

@@ -77,25 +77,46 @@ def convergence(
 def overshoot(time: Time, cross_track_error: Time, period: float) -> float:
     """Largest cycle-mean error on the other side of the path than the one where the run began [m], at least 0.
 
-    Arguments and errors as for `mean_error`.
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
     """
     error = mean_error(time, cross_track_error, period).value
     return max(0.0, float(np.max(-np.sign(cross_track_error[0]) * error)))
 
 
 def steady_error(time: Time, cross_track_error: Time, period: float, start: float, stop: float = np.inf) -> float:
-    """Root mean square of the cycle-mean error from `start` on and before `stop`, times since the start of the run [m].
+    """Root mean square of the cycle-mean error from `start` on and before `stop` [m].
 
-    Other arguments and errors as for `mean_error`.
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+        start: Since the start of the run; what was before does not count [s].
+        stop: Likewise; what comes from then on does not count [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
     """
     middle, error = mean_error(time, cross_track_error, period)
     return _root_mean_square(error[_since(time[0], middle, start) & (middle - time[0] < stop)])
 
 
 def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> float:
-    """Root mean square of the error minus its cycle mean from `start` on, time since the start of the run [m].
+    """Root mean square of the error minus its cycle mean from `start` on [m].
 
-    Other arguments and errors as for `mean_error`.
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+        start: Since the start of the run; what was before does not count [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
     """
     middle, error = mean_error(time, cross_track_error, period)
     here = interpolated(time, cross_track_error, _rate(time, cross_track_error), middle)
@@ -105,13 +126,28 @@ def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> 
 def last_third_error(time: Time, cross_track_error: Time, period: float) -> float:
     """Mean of the cycle-mean error over the last third of the run, with its sign [m].
 
-    Arguments and errors as for `mean_error`.
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
     """
     return float(np.mean(last_third(time, cross_track_error, period)))
 
 
 def last_third(time: Time, cross_track_error: Time, period: float) -> Middles:
-    """The cycle-mean error over the last third of the run [m]; arguments and errors as for `mean_error`."""
+    """The cycle-mean error over the last third of the run [m].
+
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+    """
     middle, error = mean_error(time, cross_track_error, period)
     return error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]
 

@@ -70,7 +70,7 @@ def marker_distance(
     Args:
         trial: Simulated, say.
         track: Seen.
-        along: See `marker_places`.
+        along: Of each marker: its distance from the tail end along the straight body [m].
         fitted: The span of time that is fitted [s].
 
     Returns:

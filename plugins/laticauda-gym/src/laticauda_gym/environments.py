@@ -206,10 +206,10 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
 
     Args:
         num_envs: How many.
-        task: As for `SwimmingEnv`.
+        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
         autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
-        threads: As for `Episodes`.
-        render_mode: As for `SwimmingEnv`.
+        threads: That march them; None: one for planar robots, one for every core for those in space.
+        render_mode: rgb_array, or None for no pictures.
         settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
@@ -245,7 +245,8 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
 
         Args:
             seed: Lane i gets seed + i; or one for each lane; None: go on.
-            options: As for `SwimmingEnv`, each a number or one for each lane; and `reset_mask`, a truth value for each.
+            options: What is not to be drawn, by its name in the task's `draws` [SI], each a number or one for each
+                lane; and `reset_mask`, a truth value for each.
 
         Returns:
             The observations, and where the robots are in SI units.

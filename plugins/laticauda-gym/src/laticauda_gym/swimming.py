@@ -112,7 +112,8 @@ def swimmer(
         robot: What swims, or a preset's name, or the path of a file.
         gait: What it swims with, apart from the actions.
         duration: Of an episode [s].
-        changes: See `laticauda.scenarios.Changes`.
+        changes: What else differs from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
+            or of the model `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If something is out of its range.

@@ -62,7 +62,9 @@ def export_fmu(
         author: Who made the model, as the FMU says it.
         model_version: Of the model; laticauda's own if left out.
         license: Of the model. The text of the kernels' own is in the FMU.
-        changes: With a robot, what else differs from the defaults; see `laticauda.scenarios.Changes`.
+        changes: With a robot, what else differs from the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s], or of the model `joints`, `dt` [s] and the other fields of
+            `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The FMU's variables, in the order of their value references.

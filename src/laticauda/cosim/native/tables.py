@@ -246,12 +246,16 @@ def export_c(
     Args:
         path: The header (.h), whose name becomes that of the structure and of the functions; the library is written
             beside it. Older ones are replaced.
-        robot: As for `export_fmu`.
-        gait: As for `export_fmu`.
-        inputs: As for `export_fmu`.
+        robot: The scenario, whose duration does not count; or what swims, with its gait.
+        gait: With a robot: what the joints are asked for unless the library is told otherwise; of kind custom, its
+            envelope too.
+        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
+            control or servos, `references` (an angle for every joint, and for a driven fin).
         platform: Where it is to run: linux64, aarch64 (Linux), win64, darwin; on machines like this one if left out.
         static: Whether to write a static library instead of a shared one.
-        changes: As for `export_fmu`.
+        changes: With a robot, what else differs from the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s], or of the model `joints`, `dt` [s] and the other fields of
+            `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The variables, in the order of the structure.

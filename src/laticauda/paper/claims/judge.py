@@ -163,7 +163,7 @@ def percent(value: float, form: str = "+.0f") -> str:
 
     Args:
         value: [%].
-        form: As in `format`.
+        form: Of the number, as Python's `format` takes it.
     """
     return f"{in_digits(value, form)} %"
 
@@ -173,7 +173,7 @@ def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
 
     Args:
         values: At least one.
-        form: As in `format`.
+        form: Of the number, as Python's `format` takes it.
         unit: What they are in.
     """
     return f"{in_digits(min(values), form)} to {in_digits(max(values), form)} {unit}"
