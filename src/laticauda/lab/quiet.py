@@ -32,8 +32,9 @@ def check(fault: Fault, plant: Plant[Any]) -> None:
     fin = plant.robot.caudal_fin
     if fault.kind == "lost_fin" and fin is not None and (plant.robot.fin_joints or fin.n_hinges):
         raise BadArgument("kind", "must not be `lost_fin`: only a fin without hinges and joints of its own comes off")
-    if fault.kind == "moving_water" and not isinstance(plant.environment, Water):
-        raise BadArgument("kind", "must not be `moving_water` on land")
+    water = plant.environment
+    if fault.kind == "moving_water" and (not isinstance(water, Water) or water.flow is not None):
+        raise BadArgument("kind", "must not be `moving_water` on land, or where the water flows by a law of its own")
 
 
 def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
@@ -53,9 +54,9 @@ def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]
             joints[k] = replace(joints[k], actuator=drive)
     moving = faults.on("moving_water")
     if moving is not None and isinstance(water, Water):
-        x, y, *up = water.current
-        moved = (x + moving.speed * math.cos(moving.towards), y + moving.speed * math.sin(moving.towards), *up)
-        water = replace(water, current=moved)
+        x, y, z = water.uniform
+        more = moving.speed * math.cos(moving.towards), moving.speed * math.sin(moving.towards)
+        water = replace(water, current=(x + more[0], y + more[1], z))
     fin = None if faults.on("lost_fin") else robot.caudal_fin
     return replace(built, robot=replace(robot, joints=tuple(joints), caudal_fin=fin), environment=water)
 
