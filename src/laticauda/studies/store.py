@@ -139,6 +139,8 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
         dataset = dataset[[name for name in sweeps.QUANTITIES if name in dataset]]  # in our order; older have fewer
         if any(one.shape != regions.shape for one in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
+    for one in dataset.coords.values():
+        one.encoding["_FillValue"] = None  # in a netCDF file of it: none of them is missing
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
