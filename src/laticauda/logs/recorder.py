@@ -27,8 +27,9 @@ CLOCK = "laticauda_clock"
 """Metadata: what time 0 is, as `epoch`."""
 DESCRIPTION, STATIC = "/robot_description", "/tf_static"
 _ONCE = {"history": 1, "depth": 1, "reliability": 1, "durability": 1, "liveliness": 1}
-_NEVER = dict.fromkeys(("deadline", "lifespan", "liveliness_lease_duration"), {"sec": 0, "nsec": 0})
-QUALITY = dict.fromkeys((DESCRIPTION, STATIC), json.dumps([_ONCE | _NEVER | {"avoid_ros_namespace_conventions": False}]))
+_NEVER = {key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")}
+_LATCHED = json.dumps([{**_ONCE, **_NEVER, "avoid_ros_namespace_conventions": False}])
+QUALITY = {DESCRIPTION: _LATCHED, STATIC: _LATCHED}
 """Quality of service that a topic is played with again: who comes late gets the last message of these, too. It is YAML,
 which JSON is, with the numbers of ROS, as every rosbag2 reads them; for all others "", the usual one."""
 Frame: TypeAlias = tuple[str, Sequence[float], Sequence[float]]

@@ -18,7 +18,7 @@ from laticauda.pictures.surroundings import MovingWater, add_surroundings, caste
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot
-from laticauda.scenarios import Model
+from laticauda.scenarios import Model, Spatial
 from laticauda.spatial import mjcf
 from laticauda.spatial.bodies import ballast_of
 from laticauda.spatial.model import SpatialPlant

@@ -105,7 +105,7 @@ class Writer(AbstractContextManager["Writer"]):
 
 
 def main() -> None:
-    """What that program does: where to, the header, whether raw frames count and so on come first, then tick after tick."""
+    """What that program does: what `Writer` is given comes first, then tick after tick."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = sys.stdin.buffer
     path, header, frames, learner, epoch = cast("tuple[Path, Header, bool, Learner | None, int]", pickle.load(given))
