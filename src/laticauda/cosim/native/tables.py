@@ -72,7 +72,7 @@ def tables_for(
     if inputs == "references" and plant.joints.prescribed:
         raise BadArgument(
             "inputs",
-            "must be 'gait' for prescribed joints, which cannot jump; give the robot others (joints=\"servo\" in Python, "
+            "must be 'gait' for prescribed joints, which cannot jump; take others (joints=\"servo\" in Python, "
             "--joints servo of `laticauda export`), got 'references'",
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
