@@ -37,12 +37,17 @@ def test_the_server_says_where_it_is_serves_and_ends_well_with_ctrl_c(tmp_path):
 def test_whoever_opens_the_server_to_others_is_warned():
     with serving("--host", "0.0.0.0") as server:
         line = server.stdout.readline()
-        assert re.fullmatch(r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| matlab .*\n", line)
+        assert re.fullmatch(r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| clients .*\n", line)
         server.send_signal(signal.SIGINT)
         assert server.wait(20) == 0
         told = server.stderr.read()
         assert "Whoever reaches 0.0.0.0 and has the token is answered; nothing is encrypted" in told
         assert line.split()[3].rstrip(")") not in told
+
+
+def test_the_schema_of_the_messages_is_printed_and_nobody_is_served(capsys):
+    assert main(["serve", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["$defs"]["step"]["properties"]["do"] == {"const": "step"}
 
 
 @pytest.mark.parametrize(

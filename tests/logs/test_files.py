@@ -3,6 +3,7 @@ import dataclasses
 import os
 import tomllib
 import warnings
+from datetime import datetime
 
 import netCDF4
 import numpy as np
@@ -81,12 +82,42 @@ def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
             assert variable.attrs["long_name"], name
 
 
-def test_the_dataset_in_memory_is_the_one_in_the_file(make_trial, full_trial, path):
+def test_the_dataset_in_memory_is_the_one_in_the_file_where_time_alone_is_a_date(make_trial, full_trial, path):
     for trial in (make_trial(), full_trial):
         trial.save(path)
-        with xarray.open_dataset(path) as data:
+        with xarray.open_dataset(path, decode_times=False) as data:
+            since = data.time.attrs["units"]
+            data.time.attrs = dict(trial.to_dataset().time.attrs)
             xarray.testing.assert_identical(trial.to_dataset(), data.load())
+        assert datetime.fromisoformat(f"{since.removeprefix('seconds since ')}+00:00").isoformat() == trial.created
     assert full_trial.to_dataset().link_angle.sel(time=0.5, link=3) == full_trial.link_angle[25, 3]
+
+
+def test_xarray_reads_the_clock_on_the_wall(make_trial, path):
+    trial = dataclasses.replace(make_trial(), created="2026-11-27T12:00:00.250000+01:00")
+    trial.save(path)
+    with xarray.open_dataset(path) as data:
+        assert data.time.values[[0, 1]].astype(str).tolist() == [
+            "2026-11-27T11:00:00.250000000",
+            "2026-11-27T11:00:00.270000000",
+        ]
+        assert data.time.attrs["standard_name"] == "time"
+
+
+@pytest.mark.parametrize(("created", "zero"), [("some day", "1970-01-01 00:00:00"), ("2026-11-27", "2026-11-27 00")])
+def test_a_trial_that_does_not_say_when_it_was_made_begins_in_1970_and_one_without_a_zone_in_utc(
+    make_trial, path, created, zero
+):
+    dataclasses.replace(make_trial(), created=created).save(path)
+    with netCDF4.Dataset(path) as file:
+        assert file["time"].units.startswith(f"seconds since {zero}")
+
+
+def test_what_else_the_conventions_ask_for_is_in_the_file(full_trial, path):
+    full_trial.save(path)
+    with netCDF4.Dataset(path) as file:
+        assert file.history == f"{full_trial.created} made by laticauda {full_trial.version}"
+        assert all(variable.long_name for variable in file.variables.values())
 
 
 def test_a_figure_can_be_drawn_from_a_loaded_trial_alone(make_trial, path):

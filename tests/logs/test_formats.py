@@ -4,6 +4,8 @@ import dataclasses
 import pickle
 import shutil
 import subprocess
+import xml.etree.ElementTree as ET
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -104,8 +106,14 @@ def test_the_package_mcap_reads_what_the_trial_holds(full_trial: Trial, tmp_path
     poses = [one.pose for one in found["/center_of_mass"]]
     assert np.array_equal([[one.position.x, one.position.y] for one in poses], full_trial.center_of_mass)
     assert np.allclose([2.0 * np.arctan2(one.orientation.z, one.orientation.w) for one in poses], full_trial.heading)
-    assert [one.child_frame_id for one in found["/tf"][0].transforms] == ["robot"] + [f"link_{i}" for i in range(4)]
-    assert np.allclose(stamps, full_trial.time, atol=1e-9)
+    links = [f"module_{i}" for i in range(4)]
+    moving = [(one.header.frame_id, one.child_frame_id) for one in found["/tf"][0].transforms]
+    assert moving == list(zip(["world", "world", *links], ["robot", *links], strict=False))
+    (description,), (static,) = found["/robot_description"], found["/tf_static"]
+    still = [one.child_frame_id for one in static.transforms]
+    assert {one.get("name") for one in ET.fromstring(description.data).iter("link")} == {*links, *still}
+    made = datetime.fromisoformat(full_trial.created).timestamp()
+    assert np.allclose(stamps, full_trial.time + made, atol=1e-6)
 
 
 def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
@@ -117,12 +125,33 @@ def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
     trial = make_trial(duration=1.0)
     trial.save(tmp_path / "run.mcap")
     last = list(open_recording(tmp_path / "run.mcap").messages("/tf"))[-1].content["transforms"]
-    middle = Posture(trial.robot, trial.center_of_mass, trial.link_angle).link_centers[-1]
-    found = {one["child_frame_id"]: one["transform"] for one in last}
-    for i, (x, y) in enumerate(middle):
-        place, turn = found[f"link_{i}"]["translation"], found[f"link_{i}"]["rotation"]
-        assert (place["x"], place["y"], place["z"]) == (x, y, 0.0)
-        assert 2.0 * np.arctan2(turn["z"], turn["w"]) == pytest.approx(trial.link_angle[-1, i])
+    ends = Posture(trial.robot, trial.center_of_mass, trial.link_angle, trial.fin_angle).link_ends[-1]
+    place, angle = np.zeros(2), 0.0
+    for i, one in enumerate(one for one in last if one["child_frame_id"] != "robot"):
+        turn, offset = one["transform"]["rotation"], one["transform"]["translation"]
+        place = place + np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ [
+            offset["x"],
+            offset["y"],
+        ]
+        angle += 2.0 * np.arctan2(turn["z"], turn["w"])
+        assert np.allclose(place, ends[i], atol=1e-12) and offset["z"] == 0.0
+        assert np.isclose(np.sin(angle - trial.link_angle[-1, i]), 0.0, atol=1e-12)
+
+
+def test_the_same_trial_makes_the_same_file(full_trial, tmp_path):
+    pytest.importorskip("mcap")
+    for name in ("one.mcap", "two.mcap"):
+        full_trial.save(tmp_path / name)
+    assert (tmp_path / "one.mcap").read_bytes() == (tmp_path / "two.mcap").read_bytes()
+
+
+def test_where_nobody_measured_how_the_robot_was_bent_its_place_alone_is_drawn(make_trial, tmp_path):
+    pytest.importorskip("mcap")
+    from laticauda.logs import open_recording
+
+    dataclasses.replace(make_trial(duration=1.0), not_measured=("joint_angle",)).save(tmp_path / "run.mcap")
+    first = next(open_recording(tmp_path / "run.mcap").messages("/tf")).content["transforms"]
+    assert [one["child_frame_id"] for one in first] == ["robot"]
 
 
 def test_pandas_reads_the_columns_of_a_parquet_file_and_their_units(full_trial, tmp_path):

@@ -16,7 +16,7 @@ def record_everything(path: Path, n: int = 30) -> None:
             time = 0.01 * i
             recorder.joint_state("/joint_states", time, ["a", "b"], [i, 2.0], [3.0, 4.0], np.array([5.0, 6.0]))
             recorder.pose("/body", time, (1.0, 2.0, 3.0), (0.5, 0.5, 0.5, 0.5))
-            recorder.transforms(time, {"tail": ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))})
+            recorder.transforms(time, {"tail": ("world", (1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))})
             recorder.scalar("/power/electrical", time, 92.0 + i, unit="W")
             recorder.array("/matrix", time, np.arange(6.0).reshape(2, 3), labels=("row", "column"))
             recorder.can_frame("/can", time, 0x201, b"\x01\x02\x03")
@@ -115,3 +115,22 @@ def test_a_frame_of_the_bus_is_written_as_the_codec_of_its_type_writes_it(tmp_pa
         "data": b"\x01\x02".ljust(8, b"\x00"),
     }
     assert message.data == ros2.encode("can_msgs/Frame", content)
+
+
+def test_the_clock_on_the_wall_is_in_the_stamps_and_our_reader_counts_from_its_time_0(tmp_path):
+    from mcap.reader import make_reader
+
+    epoch = 1_790_000_000_123_456_789
+    with Recorder(tmp_path / "run.mcap", epoch=epoch) as recorder:
+        recorder.scalar("/x", -0.5, 1.0)
+        recorder.event(0.25, "begun")
+        with pytest.raises(ValueError, match=r"`time` must be >= -1\.79e\+09 s, got -2000000000\.0"):
+            recorder.scalar("/x", -2e9, 1.0)
+    with (tmp_path / "run.mcap").open("rb") as file:
+        stamps = [message.log_time for _, _, message in make_reader(file).iter_messages()]
+    assert stamps == [epoch - 500_000_000, epoch + 250_000_000]
+    recording = open_recording(tmp_path / "run.mcap")
+    assert (recording.epoch, recording.start, recording.stop) == (epoch, -0.5, 0.25)
+    (event,) = recording.messages(since=0.0)
+    assert event.time == 0.25
+    assert event.content["stamp"] == {"sec": 1_790_000_000, "nanosec": 373_456_789}

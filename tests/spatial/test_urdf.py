@@ -80,6 +80,23 @@ def test_a_urdf_file_opens_in_a_reader_of_urdf(preset):
     assert found.get_chain("module_0", f"module_{robot.n_links - 1}", links=False) == [joint.name for joint in driven]
 
 
+@pytest.mark.parametrize("preset", PRESETS)
+def test_ros2_control_is_told_of_every_driven_joint_what_it_takes_and_says(preset):
+    robot = lc.load_robot(preset)
+    root = ET.fromstring(urdf(robot))
+    (control,) = root.iter("ros2_control")
+    assert (control.get("type"), control.findtext("hardware/plugin")) == ("system", "mock_components/GenericSystem")
+    joints = control.findall("joint")
+    assert len(joints) == len(robot.driven_joints)
+    for joint, driven in zip(joints, robot.driven_joints, strict=True):
+        assert [one.get("name") for one in joint.findall("state_interface")] == ["position", "velocity", "effort"]
+        (told,) = joint.findall("command_interface")
+        assert told.get("name") == "position"
+        limits = {one.get("name"): float(one.text) for one in told}
+        assert limits == {"min": pytest.approx(-driven.limit), "max": pytest.approx(driven.limit)}
+        assert root.find(f"joint[@name='{joint.get('name')}']").get("type") == "revolute"
+
+
 @given(robots())
 @settings(max_examples=25)
 def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):

@@ -12,10 +12,11 @@ from typing import Literal
 
 import laticauda as lc
 from laticauda import cosim, lab, packaging, protocol, robot
-from laticauda.cli.command import LOCAL, Command, until_stopped
+from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
 from laticauda.cli.flags import File, Files, ScenarioFile, Stored, read
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
+from laticauda.files import to_json
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
@@ -143,8 +144,8 @@ def _listen(served: "lab.Lab") -> None:
 class Serve(Command):
     """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has a world of its own.
 
-    It prints one line that says where, with the token that clients from other computers need. A client for GNU Octave
-    and MATLAB comes with laticauda; its folder is in the line too. The messages: docs/cosim-protocol.md.
+    It prints one line that says where, with the token that clients from other computers need. Clients for C, Julia, GNU
+    Octave and MATLAB come with laticauda; their folder is in the line too. The messages: docs/cosim-protocol.md.
 
     For example: laticauda serve --port 5055 --max-clients 4
     """
@@ -154,20 +155,27 @@ class Serve(Command):
     max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
     robots: Files = option("TOML files of robots that clients may name, without .toml, like presets", default=())
 
-    def run(self) -> None:
+    schema: bool = option("Print the JSON Schema of all messages, and serve nobody", default=False)
+
+    def run(self) -> Outcome | None:
         """Serve until Ctrl-C."""
+        if self.schema:
+            found = cosim.message_schema()
+            return Outcome(facts=found, text=to_json(found))
         server = cosim.Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
         _compile()
         server.open()
         with until_stopped(server.close):
-            token, folder = server.door.token, str(cosim.matlab_folder())
+            token, folder = server.door.token, str(cosim.clients_folder())
             if server.door.warning:
                 print(server.door.warning, file=sys.stderr)
             facts = {"host": server.host, "port": server.port, "protocol": cosim.PROTOCOL_VERSION}
             address = f"{server.host}:{server.port} ({f'token {token}' if token else 'this computer only'})"
-            text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | matlab {folder}"
-            self.announce({**facts, "token": token, "matlab": folder}, text)
+            text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | clients {folder}"
+            folders = {"clients": folder, "matlab": str(cosim.matlab_folder())}
+            self.announce({**facts, "token": token, **folders}, text)
             server.run()
+        return None
 
 
 def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import laticauda as lc
-from laticauda import figures
+from laticauda import figures, logs
 from laticauda.cli import command, flags, report, tables
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.pictures.camera import Film
 from laticauda.quantities import option, quantity, value
-from laticauda.trial import ComparedFigure
+from laticauda.trial import ComparedFigure, Format
 
 TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 
@@ -139,16 +139,21 @@ class Plot(OfTrials):
 class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
+    A folder, whose name ends in /, is for rosbag2; recordings of operations can be put into one, too.
+
     For example: laticauda trial convert run.nc run.mcap
     """
 
     file: flags.Input = option(TRIAL)
-    output: Annotated[flags.Output, flags.Written()] = option(
-        "The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv"
-    )
+    output: flags.Output = option("The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/")
 
     def run(self) -> command.Outcome:
         """Read and write."""
+        if self.output.endswith("/"):
+            is_mcap = self.columns is None and self.file.endswith(".mcap")
+            logs.write_bag(self.file if is_mcap else lc.load_trial(self.file, self.columns), self.output)
+            return command.Outcome(facts={"output": self.output}, text=f"{self.output}: a folder for rosbag2")
+        command.check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)

@@ -13,12 +13,18 @@ if TYPE_CHECKING:
     from laticauda.cosim.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
     from laticauda.cosim.native.tables import export_c as export_c
     from laticauda.cosim.messages import MESSAGE_BYTES as MESSAGE_BYTES, PROTOCOL_VERSION as PROTOCOL_VERSION
+    from laticauda.cosim.schema import message_schema as message_schema
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session
 
-__getattr__, __dir__, __all__ = lazy_exports("matlab_folder")
+__getattr__, __dir__, __all__ = lazy_exports("clients_folder", "matlab_folder")
+
+
+def clients_folder() -> Path:
+    """The folder with the clients of the server: `c`, `julia`, `matlab`."""
+    return Path(__file__).parent / "clients"
 
 
 def matlab_folder() -> Path:
     """The folder with the client for GNU Octave and MATLAB, to be added to their path."""
-    return Path(__file__).parent / "matlab"
+    return clients_folder() / "matlab"

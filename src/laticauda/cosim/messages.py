@@ -71,10 +71,21 @@ MODEL = ("joints", "dt", "ramp", "offset_bandwidth", "root")
 START = ("center_of_mass", "heading", "depth", "pitch", "roll")
 MADE_FROM = (*dict.fromkeys((*NAMES, *MODEL, *START)), "sample_interval", "coefficients", *HELD)
 """Fields of a message that a world is made from."""
+COMMON = ("do", "id", "protocol", "token")
+REQUESTS: Mapping[str, tuple[str, ...]] = {
+    "reset": MADE_FROM,
+    "step": ("duration", *HELD),
+    "set": HELD,
+    "get": ("series", "since"),
+    "run": ("duration", "series", *MADE_FROM),
+}
+"""By what is to be done, the fields that a request has besides those of every one, `COMMON`."""
+LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")
+"""Quantities of the last sample that stand beside the observation."""
 
 
 @value
-class _Held:
+class Held:
     """What a message says of place, command and current, the gait aside."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Where it starts", default=(0.0, 0.0))
@@ -183,7 +194,7 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
         raise BadArgument("current", "must not name a file: the server reads none for its clients")
     if isinstance(name := mine.get("current"), str):
         mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
-    checked = codec.decode(_Held, mine)
+    checked = codec.decode(Held, mine)
     return {name: getattr(checked, name) for name in mine}
 
 

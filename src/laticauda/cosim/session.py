@@ -8,7 +8,7 @@ import dataclasses
 import sys
 import traceback
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -22,7 +22,6 @@ from laticauda.cosim.messages import Message
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive, within
 from laticauda.robot import Current, Robot, Water
 
-LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
 MOST_SAMPLES = 100_000  # of one request, and of a log
 MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
 PART = 0.3  # work for one part of a current, by that for a link
@@ -218,14 +217,7 @@ class Session:
     def __init__(self, own_robots: Mapping[str, Robot] | None = None, budget: Budget | None = None) -> None:
         self._own_robots, self._budget = own_robots or {}, budget or Budget().shared(1)
         self._world: World | None = None
-        self._requests: dict[str, tuple[Callable[[Message], dict[str, Any]], tuple[str, ...]]] = {
-            "reset": (self._reset, messages.MADE_FROM),
-            "step": (self._step, ("duration", *messages.HELD)),
-            "set": (self._set, messages.HELD),
-            "get": (self._get, ("series", "since")),
-            "run": (self._run, ("duration", "series", *messages.MADE_FROM)),
-        }
-        """By what is to be done: what does it, and the fields that it has besides those of every request."""
+        self._requests = {do: getattr(self, f"_{do}") for do in messages.REQUESTS}
 
     def answer(self, line: bytes) -> bytes:
         """The answer to a line, which is never an exception.
@@ -259,9 +251,9 @@ class Session:
         asked = message.get("protocol", messages.PROTOCOL_VERSION)
         if asked != messages.PROTOCOL_VERSION:
             raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, which it speaks, got {asked!r}")
-        request, fields = self._requests[one_of("do", message.get("do"), tuple(self._requests))]
-        codec.check_keys(message, ("do", "id", "protocol", "token", *fields))
-        return request(message)
+        do = one_of("do", message.get("do"), tuple(self._requests))
+        codec.check_keys(message, (*messages.COMMON, *messages.REQUESTS[do]))
+        return self._requests[do](message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
         world = self._world = new_world(messages.read_scenario(message, self._own_robots), self._budget)
@@ -316,7 +308,7 @@ def _names(value: object) -> list[str]:
 def _seen(world: World) -> dict[str, Any]:
     seen, last = world.plant.observe(world.state), world.log.last
     observed = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
-    return {"observation": observed, **{name: last[name] for name in LOADS if name in last}}
+    return {"observation": observed, **{name: last[name] for name in messages.LOADS if name in last}}
 
 
 def _command(world: World) -> dict[str, Any]:

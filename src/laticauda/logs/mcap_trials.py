@@ -2,7 +2,7 @@
 
 The angles, rates and torques of the joints are in the messages of /joint_states, what they were asked for in those of
 /joint_reference; every other time series has a topic of its own under /trial. No number is stored twice, but where the
-center of mass and the links are is added as poses and transforms for viewers.
+center of mass and the links are is added as poses and transforms for viewers, and the robot's URDF.
 """
 
 import json
@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from laticauda.errors import StorageFailed
-from laticauda.kinematics import Posture
-from laticauda.logs.recorder import Recorder
+from laticauda.extensions import above
+from laticauda.interfaces import ORIENTATION
+from laticauda.logs.recorder import WORLD, Recorder
 from laticauda.logs.recording import Logged, open_recording
 from laticauda.trial import Format, Trial
-from laticauda.trial.dataset import assembled, variable
+from laticauda.trial.dataset import assembled, epoch, variable
 
 if TYPE_CHECKING:
     import xarray
@@ -35,8 +36,8 @@ OF_JOINTS = {
 class McapFile(Format):
     """ROS 2 messages for Foxglove, the ros2 bag tools and `load_trial`.
 
-    They are stamped with the time of the trial. If that begins before 0, they all are later by as much; the topic
-    /trial/time has it as it is.
+    Time 0 of the trial is when it was made, by the clock on the wall: an operated run says when it began. The topic
+    /trial/time has the trial's own time.
     """
 
     called: ClassVar[str] = "mcap"
@@ -46,7 +47,7 @@ class McapFile(Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write a trial as an MCAP file; see `Format.write`."""
         try:
-            with Recorder(path, chunk_seconds=10.0, overwrite=True) as recorder:
+            with Recorder(path, chunk_seconds=10.0, overwrite=True, epoch=epoch(dataset.attrs)) as recorder:
                 _record(dataset, recorder)
         except StorageFailed as error:
             raise error.__cause__ or error from None  # whoever chose the name of the file says it
@@ -77,15 +78,16 @@ def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
     joints = [f"joint_{i}" for i in range(trial.joint_angle.shape[1])]
     series = {str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)}
     others = {PREFIX + name: one for name, one in series.items() if name not in OF_JOINTS}
-    later = max(-float(trial.time[0]), 0.0)
-    names, places, turns = _frames(trial)
+    bodies = above("frames")(trial.robot, trial.scenario.model)
+    frames = {"robot": _robot(trial)} | _links(trial, bodies)
     recorder.metadata(METADATA, {"trial": json.dumps(dataset.attrs)})
-    for k, moment in enumerate(trial.time + later):
-        time = float(moment)
+    recorder.robot(float(trial.time[0]), bodies.description, bodies.fixed)
+    for k, time in enumerate(trial.time.tolist()):
         recorder.joint_state(JOINTS, time, joints, trial.joint_angle[k], trial.joint_rate[k], trial.joint_torque[k])
         recorder.joint_state(REFERENCE, time, joints, trial.joint_angle_ref[k])
-        recorder.pose(CENTER, time, places[k, 0], turns[k, 0])
-        recorder.transforms(time, dict(zip(names, zip(places[k], turns[k], strict=True), strict=True)))
+        at = {name: (parent, places[k], turns[k]) for name, (parent, places, turns) in frames.items()}
+        recorder.pose(CENTER, time, *at["robot"][1:])
+        recorder.transforms(time, at)
         for topic, one in others.items():
             if one.ndim == 1:
                 recorder.scalar(topic, time, float(one.values[k]), one.attrs["units"])
@@ -103,14 +105,24 @@ def _series(message: Logged) -> list[tuple[str, Any]]:
     return [(name, message.content[field]) for name, (topic, field) in OF_JOINTS.items() if topic == message.topic]
 
 
-def _frames(trial: Trial) -> tuple[list[str], Any, Any]:
-    """Where a viewer is to draw the robot, and the links of a planar one: names, places, turns (w, x, y, z)."""
-    places, angles = trial.center_of_mass[:, np.newaxis], trial.heading[:, np.newaxis]
-    if places.shape[2] == 2:
-        if "link_angle" not in trial.not_measured:
-            links = Posture(trial.robot.planar(), trial.center_of_mass, trial.link_angle).link_centers
-            places, angles = np.concatenate((places, links), axis=1), np.hstack((angles, trial.link_angle))
-        places = np.concatenate((places, np.zeros((*places.shape[:2], 1))), axis=2)
-    level = np.zeros_like(angles)
-    turns = np.stack((np.cos(0.5 * angles), level, level, np.sin(0.5 * angles)), axis=2)
-    return ["robot", *(f"link_{i}" for i in range(angles.shape[1] - 1))], places, turns
+def _robot(trial: Trial) -> tuple[str, Any, Any]:
+    """Where the center of mass is, and turned by the heading."""
+    places = np.zeros((trial.time.size, 3))
+    places[:, : trial.center_of_mass.shape[1]] = trial.center_of_mass
+    return WORLD, places, _upright(trial.heading)
+
+
+def _links(trial: Trial, bodies: Any) -> dict[str, tuple[str, Any, Any]]:
+    """Where the links are, as far as anybody measured them."""
+    if {"link_angle", "joint_angle"} & {*trial.not_measured}:
+        return {}
+    turns = _upright(trial.link_angle[:, 0])
+    if all(name in trial.signals for name in ORIENTATION):
+        turns = np.stack([trial.signals[name] for name in ORIENTATION], axis=1)
+    return bodies.moving(trial.center_of_mass, turns, trial.joint_angle, trial.fin_angle)
+
+
+def _upright(angle: Any) -> Any:
+    """The orientation that a turn about the vertical gives, as quaternions."""
+    level = np.zeros_like(angle)
+    return np.stack((np.cos(0.5 * angle), level, level, np.sin(0.5 * angle)), axis=1)

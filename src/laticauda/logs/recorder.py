@@ -12,9 +12,9 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, Self, TypeAlias
 
-from laticauda.errors import BadArgument, StorageFailed, finite, optional_import, positive
+from laticauda.errors import BadArgument, StorageFailed, finite, optional_import, positive, whole
 from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
@@ -23,6 +23,17 @@ _CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")  # encapsulation; stamp, frame_
 CHUNK_BYTES = 1 << 20  # of the messages in a chunk, which then is complete
 WORLD = "world"
 """The frame of the world axes."""
+CLOCK = "laticauda_clock"
+"""Metadata: what time 0 is, as `epoch`."""
+DESCRIPTION, STATIC = "/robot_description", "/tf_static"
+_ONCE = {"history": 1, "depth": 1, "reliability": 1, "durability": 1, "liveliness": 1}
+_NEVER = {key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")}
+_LATCHED = json.dumps([{**_ONCE, **_NEVER, "avoid_ros_namespace_conventions": False}])
+QUALITY = {DESCRIPTION: _LATCHED, STATIC: _LATCHED}
+"""Quality of service that a topic is played with again: who comes late gets the last message of these, too. It is YAML,
+which JSON is, with the numbers of ROS, as every rosbag2 reads them; for all others "", the usual one."""
+Frame: TypeAlias = tuple[str, Sequence[float], Sequence[float]]
+"""Name of the parent, position x, y, z in its axes [m], and orientation w, x, y, z [-]."""
 
 
 def need_mcap() -> None:
@@ -32,21 +43,6 @@ def need_mcap() -> None:
         MissingExtra: If it is not installed.
     """
     optional_import("Reading and writing MCAP", "mcap", "logs")
-
-
-def moment(time: float) -> int:
-    """When something was recorded, as the file and ROS count time [ns].
-
-    Args:
-        time: Since the start of the run, or since 1970 [s].
-
-    Raises:
-        ValueError: If it is negative or not finite.
-    """
-    now = round(finite("time", time, "s") * 1e9)
-    if now < 0:
-        raise BadArgument("time", f"must be >= 0 s, got {time}")
-    return now
 
 
 class Recorder:
@@ -60,6 +56,7 @@ class Recorder:
         path: The file.
         chunk_seconds: A chunk is complete after this much time of the messages, or when it holds `CHUNK_BYTES` [s].
         overwrite: Whether an older file of that name may be replaced.
+        epoch: What time 0 is by the clock on the wall [ns since 1970].
 
     Raises:
         ValueError: If an argument is out of range.
@@ -72,11 +69,14 @@ class Recorder:
         ...     recorder.event(0.5, "running", {"gait": "eel_like"})
     """
 
-    def __init__(self, path: str | Path, *, chunk_seconds: float = 1.0, overwrite: bool = False) -> None:
+    def __init__(
+        self, path: str | Path, *, chunk_seconds: float = 1.0, overwrite: bool = False, epoch: int = 0
+    ) -> None:
         need_mcap()
         from mcap.writer import Writer
 
-        self._chunk_ns = moment(positive("chunk_seconds", chunk_seconds, "s"))
+        self._chunk_ns = round(positive("chunk_seconds", chunk_seconds, "s") * 1e9)
+        self._epoch = whole("epoch", epoch, 0)
         self.path = Path(path)
         """The file."""
         mode = "wb" if overwrite else "xb"
@@ -90,13 +90,15 @@ class Recorder:
         self._open_bytes = 0
         self._sequence = 0
         self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
+        if epoch:
+            self.metadata(CLOCK, {"epoch": str(epoch)})
 
     def message(self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = "") -> None:
         """Record any message of a known type.
 
         Args:
             topic: As "/joint_states"; its messages are all of one type.
-            time: When it happened [s], not negative: since the start of the run, or since 1970.
+            time: When it happened [s], since `epoch`, and not before 1970.
             kind: The ROS type, one of `ros2.DEFINITIONS`, as "std_msgs/Float64".
             content: Its fields, by name or in the order of the definition.
             unit: Of its numbers; kept with the first message of the topic.
@@ -105,7 +107,7 @@ class Recorder:
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        self._add(topic, kind, unit, moment(time), ros2.encode(kind, content))
+        self._add(topic, kind, unit, self._moment(time), ros2.encode(kind, content))
 
     def joint_state(
         self,
@@ -126,7 +128,7 @@ class Recorder:
             velocity: Their rates [rad/s]; empty if not known.
             effort: Their torques [N m]; empty if not known.
         """
-        content = _header(time, ""), names, position, velocity, effort
+        content = self._header(time, ""), names, position, velocity, effort
         self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
 
     def pose(
@@ -146,22 +148,33 @@ class Recorder:
             quaternion: Its orientation w, x, y, z [-].
             frame: Whose axes these are.
         """
-        content = _header(time, frame), (position, _scalar_last(quaternion))
+        content = self._header(time, frame), (position, _scalar_last(quaternion))
         self.message(topic, time, "geometry_msgs/PoseStamped", content, unit="m")
 
-    def transforms(
-        self, time: float, frames: Mapping[str, tuple[Sequence[float], Sequence[float]]], parent: str = WORLD
-    ) -> None:
-        """Record where frames are, on /tf (tf2_msgs/TFMessage).
+    def transforms(self, time: float, frames: Mapping[str, Frame], *, topic: str = "/tf") -> None:
+        """Record where frames are (tf2_msgs/TFMessage).
 
         Args:
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
-            frames: By name: position x, y, z [m] and orientation w, x, y, z [-].
-            parent: In whose axes.
+            time: When it happened, since `epoch` [s].
+            frames: By name.
+            topic: Where; `STATIC` for what never moves.
         """
-        header = _header(time, parent)
-        transforms = [(header, name, (place, _scalar_last(turn))) for name, (place, turn) in frames.items()]
-        self.message("/tf", time, "tf2_msgs/TFMessage", (transforms,), unit="m")
+        transforms = [
+            (self._header(time, parent), name, (place, _scalar_last(turn)))
+            for name, (parent, place, turn) in frames.items()
+        ]
+        self.message(topic, time, "tf2_msgs/TFMessage", (transforms,), unit="m")
+
+    def robot(self, time: float, description: str, fixed: Mapping[str, Frame]) -> None:
+        """Record, once at the start, what viewers draw the robot by.
+
+        Args:
+            time: When it happened, since `epoch` [s].
+            description: Its URDF.
+            fixed: Frames of links that cannot move against what carries them.
+        """
+        self.message(DESCRIPTION, time, "std_msgs/String", (description,))
+        self.transforms(time, fixed, topic=STATIC)
 
     def scalar(self, topic: str, time: float, value: float, unit: str = "") -> None:
         """Record one number (std_msgs/Float64).
@@ -206,7 +219,7 @@ class Recorder:
         """
         if len(data) > 8:
             raise BadArgument("data", f"must have at most 8 bytes, got {len(data)}")
-        now = moment(time)
+        now = self._moment(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
@@ -242,7 +255,7 @@ class Recorder:
             text = "" if data is None else json.dumps(data)
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
-        stamp = ros2.stamp(moment(time))
+        stamp = ros2.stamp(self._moment(time))
         self.message("/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0))
         self.flush()
 
@@ -317,7 +330,7 @@ class Recorder:
             text = ros2.schema_text(kind).encode()
             self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
         # The profile asks for the quality of service, and may have it empty.
-        metadata = {"offered_qos_profiles": "", "unit": unit}
+        metadata = {"offered_qos_profiles": QUALITY.get(topic, ""), "unit": unit}
         number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
         self._channels[topic] = number, kind
         return number
@@ -326,16 +339,22 @@ class Recorder:
         self._guarded(self._writer.flush)
         self._open_since, self._open_bytes = None, 0
 
+    def _moment(self, time: float) -> int:
+        """When something was recorded, as the file and ROS count time [ns]; raises ValueError before 1970."""
+        now = self._epoch + round(finite("time", time, "s") * 1e9)
+        if now < 0:
+            raise BadArgument("time", f"must be >= {-1e-9 * self._epoch or 0.0:g} s, got {time}")
+        return now
+
+    def _header(self, time: float, frame: str) -> tuple[Any, ...]:
+        return ros2.stamp(self._moment(time)), frame
+
     def _guarded(self, act: Callable[[], Any], advice: str = "what came before is kept") -> Any:
         try:
             return act()
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             raise StorageFailed(f"Cannot write {self.path}: {reason}; {advice}.") from error
-
-
-def _header(time: float, frame: str) -> tuple[Any, ...]:
-    return ros2.stamp(moment(time)), frame
 
 
 def _scalar_last(quaternion: Sequence[float]) -> tuple[float, ...]:

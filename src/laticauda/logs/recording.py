@@ -26,7 +26,7 @@ class Logged(NamedTuple):
     topic: str
     """Where it was published."""
     time: float
-    """When [s], rounded from the file's nanoseconds."""
+    """When [s], rounded from the file's nanoseconds: since `Recording.epoch`."""
     kind: str
     """Its type, as "sensor_msgs/JointState"."""
     content: Any
@@ -69,10 +69,15 @@ class Recording:
             for one in self._channels.values()
         }
         """By name."""
-        self.start, self.stop = (one / 1e9 if counts else 0.0 for one in times)
+        self.start, self.stop = ((one - self.epoch) / 1e9 if counts else 0.0 for one in times)
         """Times of the earliest and the latest message [s], 0 if there is none."""
         self.lost = f"{path.name} is not whole: {'; '.join(lost)}." if lost else ""
         """What is missing from the file or damaged in it: a sentence; "" if nothing is."""
+
+    @property
+    def epoch(self) -> int:
+        """What its time 0 is by the clock on the wall [ns since 1970]; 0 where it does not say."""
+        return int(self.metadata.get(recorder.CLOCK, {}).get("epoch", "0"))
 
     def messages(self, *topics: str, since: float = -math.inf, begin: int = 0) -> Iterator[Logged]:
         """The complete messages in the order in which they were recorded.
@@ -85,9 +90,10 @@ class Recording:
         Raises:
             TrialFileError: If a message does not fit the definition of its type.
         """
+        epoch = self.epoch
         for channel, time, data in self._contents([], begin):
-            if time >= 1e9 * since and (not topics or channel.topic in topics):
-                yield Logged(channel.topic, time / 1e9, self._kind(channel), self._decoded(channel, data))
+            if time - epoch >= 1e9 * since and (not topics or channel.topic in topics):
+                yield Logged(channel.topic, (time - epoch) / 1e9, self._kind(channel), self._decoded(channel, data))
 
     def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
         """Those that came since this was called last, in a file that is still written; as `messages`.

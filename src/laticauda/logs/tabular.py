@@ -22,7 +22,7 @@ from jaxtyping import Float
 from laticauda import files, trial
 from laticauda.errors import optional_import
 from laticauda.trial.arrays import Samples
-from laticauda.trial.dataset import AXES, MARK, assembled, variable
+from laticauda.trial.dataset import AXES, MARK, assembled, epoch, variable
 
 if TYPE_CHECKING:
     import xarray
@@ -179,6 +179,9 @@ class NetCdfFile(trial.Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
         no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
+        dataset = dataset.copy()  # in the file, time is a date, as the conventions CF have it
+        zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
+        dataset["time"].attrs |= {"standard_name": "time", "units": f"seconds since {str(zero).replace('T', ' ')}"}
         try:
             dataset.to_netcdf(path, engine="netcdf4", encoding=no_fill)
         except RuntimeError as error:  # netCDF's, with no more of a reason: most likely the disk is full

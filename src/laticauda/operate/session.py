@@ -164,10 +164,12 @@ def operate(
             longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
         if path is not None:
             files.local(path).parent.mkdir(parents=True, exist_ok=True)
+            epoch = time.time_ns() - round(1e9 * devices.clock.now())
             if tank is None:
-                sink = stack.enter_context(Writer(path, header, frames=frames, learner=learner))
+                sink = stack.enter_context(Writer(path, header, frames=frames, learner=learner, epoch=epoch))
             else:
-                sink = Sink(stack.enter_context(OperationRecorder(path, header)), frames=frames, learner=learner)
+                recorder = stack.enter_context(OperationRecorder(path, header, epoch=epoch))
+                sink = Sink(recorder, frames=frames, learner=learner)
             show = show and _with_news(show, sink)
         state, timing = loop.run_loop(
             operator, devices, keys=lambda _: keys.events, sink=sink, show=show, longest=longest

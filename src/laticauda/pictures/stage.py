@@ -20,6 +20,7 @@ from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Model, Spatial
 from laticauda.spatial import mjcf
+from laticauda.spatial.bodies import ballast_of
 from laticauda.spatial.model import SpatialPlant
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
@@ -78,9 +79,9 @@ class Studio:
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         scene = model.scene if isinstance(model, Spatial) else None
-        spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=_ballast(robot, model))
+        spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=ballast_of(robot, model))
         for k, other in enumerate(others, 1):
-            alone = mjcf.spec(other, environment, sensors=False, ballast_depth=_ballast(other, model))
+            alone = mjcf.spec(other, environment, sensors=False, ballast_depth=ballast_of(other, model))
             mjcf.add_robot(spec, alone, k)
         on_land, (lowest, highest) = isinstance(environment, Ground), np.append(way, [[self.height]] * 2, axis=1)[:, 2]
         self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
@@ -163,14 +164,6 @@ class Studio:
         """Give back the graphics memory."""
         if "_renderer" in vars(self):
             self._renderer.close()
-
-
-def _ballast(robot: Robot, model: Model | None) -> float:
-    """How far the modules' centers of mass lie below their axes in a model [m]."""
-    if not isinstance(model, Spatial) or not model.gravity:
-        return 0.0
-    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
-    return model.ballast_depth if is_free else 0.0
 
 
 def posture_of(plant: Plant[Any], state: PlantState) -> Posture:

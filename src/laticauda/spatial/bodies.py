@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from laticauda.kinematics import levers, to_quaternion, turn
 from laticauda.robot import CaudalFin, Hinge, Joint, Module, PectoralFin, Piece, Robot, Thruster
+from laticauda.scenarios import Model, Spatial
 
 Three = tuple[float, float, float]
 AXES: dict[str, Three] = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}
@@ -126,6 +127,19 @@ def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, floa
 def center_of_mass(robot: Robot) -> float:
     """Center of mass of the straight robot from its tail end, on its axis [m]."""
     return -float(levers(robot).end[0].sum())
+
+
+def ballast_of(robot: Robot, model: Model | None) -> float:
+    """How far the modules' centers of mass lie below their axes in a model [m].
+
+    Args:
+        robot: What swims.
+        model: By which it swims; None, and the planar one: nothing is said of it.
+    """
+    if not isinstance(model, Spatial) or not model.gravity:
+        return 0.0
+    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
+    return model.ballast_depth if is_free else 0.0
 
 
 def moments(vertical: float, across: float, above: float) -> Three:

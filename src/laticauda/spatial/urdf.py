@@ -59,6 +59,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
         (ahead, _, _), (left, _, _), (up, y, z) = angles.from_quaternion(*mount.orientation).tolist()
         rpy = math.atan2(y, z), math.atan2(-up, math.hypot(ahead, left)), math.atan2(left, ahead)
         _add(element, "origin", xyz=mount.position, rpy=rpy)
+    _add_control(root, robot)
     ET.indent(root)
     return f'<?xml version="1.0"?>\n{ET.tostring(root, encoding="unicode")}\n'
 
@@ -117,6 +118,24 @@ def _add_joint(root: ET.Element, body: Body) -> None:
     motor, most = joint.actuator, joint.limit
     _add(element, "limit", lower=-most, upper=most, effort=motor.stall_torque, velocity=motor.no_load_speed)
     _add(element, "dynamics", damping=joint.damping + motor.viscous_friction, friction=motor.friction_torque)
+
+
+def _add_control(root: ET.Element, robot: Robot) -> None:
+    """What ros2_control is to know: every driven joint is told an angle, within its limit, and says what it does.
+
+    Its plugin stands for a robot that is where it is told to be; who has another one puts it there.
+    """
+    control = _add(root, "ros2_control", name=robot.name, type="system")
+    _add(_add(control, "hardware"), "plugin").text = "mock_components/GenericSystem"
+    for body in bodies(robot):
+        if not isinstance(body.joint, Joint):
+            continue
+        joint, most = _add(control, "joint", name=body.joint_name), _text(body.joint.limit)
+        told = _add(joint, "command_interface", name="position")
+        for end, angle in (("min", f"-{most}"), ("max", most)):
+            _add(told, "param", name=end).text = angle
+        for name in ("position", "velocity", "effort"):
+            _add(joint, "state_interface", name=name)
 
 
 def _connect(root: ET.Element, name: str, kind: str, parent: str, child: str) -> ET.Element:

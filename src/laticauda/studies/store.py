@@ -142,6 +142,8 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
         for name in _parameters(path):
             if name not in dataset.coords:
                 raise BadArgument(name, "is missing, or no coordinate any more")
+    for one in dataset.coords.values():
+        one.encoding["_FillValue"] = None  # in a netCDF file of it: none of them is missing
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 

@@ -68,6 +68,8 @@ def definition_of(scenario: lc.Scenario) -> dict[str, Any]:
 def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
     """What stands beside stored results about the scenario they are of."""
     return {
+        "Conventions": "CF-1.11",
+        "history": f"made by laticauda {packaging.__version__}",  # without a date: the same sweep has the same bits
         "robot": scenario.robot.name,
         "gait": scenario.gait.kind,
         "environment": scenario.environment.name,

@@ -8,6 +8,7 @@ older file of that name: see `laticauda.files.write`.
 """
 
 import base64
+import datetime
 import json
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -31,6 +32,8 @@ FORMAT = 2
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
+INDEX = {"link": "number of the link, 0 is the tail", "joint": "number of the joint, tail first", "axis": "world axis"}
+"""What the values of other dimensions than time are."""
 TEXTS = ("version", "created", "status")
 
 
@@ -69,6 +72,23 @@ def variable(name: str) -> Series:
     return Series("J", WORK[name]) if name in WORK else SERIES[name]
 
 
+def epoch(attributes: Mapping[str, Any]) -> int:
+    """What time 0 of a trial is by the clock on the wall, where a file has to say it [ns since 1970].
+
+    An operated run says when it began; one that was simulated is taken to have begun when it was made, so that the same
+    trial always makes the same file; one that does not say begins in 1970.
+
+    Args:
+        attributes: Of its Dataset.
+    """
+    try:
+        moment = datetime.datetime.fromisoformat(str(attributes["created"]))
+    except ValueError:
+        return 0
+    moment = moment if moment.tzinfo else moment.replace(tzinfo=datetime.UTC)
+    return (moment - datetime.datetime.fromtimestamp(0, datetime.UTC)) // datetime.timedelta(microseconds=1) * 1000
+
+
 def to_dataset(trial: Contents) -> "xarray.Dataset":
     """A trial as a Dataset, from which `fields_of` has all of it.
 
@@ -89,7 +109,8 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
         "joint": np.arange(trial.joint_angle.shape[1], dtype=np.int32),
         "axis": np.array(AXES[: trial.center_of_mass.shape[1]], dtype=object),
     }
-    return xarray.Dataset(series, coords=index, attrs=_attributes(trial))
+    named = {name: (name, values, {"long_name": INDEX[name]}) for name, values in index.items()}
+    return xarray.Dataset(series, coords=named, attrs=_attributes(trial))
 
 
 def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -> "xarray.Dataset":
@@ -178,6 +199,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
         "Conventions": "CF-1.11",
         "title": f"Trial of {trial.robot.name}",
         "source": f"laticauda {trial.version}",
+        "history": f"{trial.created} made by laticauda {trial.version}",
         **{name: getattr(trial, name) for name in TEXTS},
         "succeeded": int(trial.succeeded),
         "scenario": scenarios.run_to_toml(trial.scenario),

@@ -72,7 +72,8 @@ def tables_for(
     if inputs == "references" and plant.joints.prescribed:
         raise BadArgument(
             "inputs",
-            "must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, got 'references'",
+            "must be 'gait' for prescribed joints, which cannot jump; take others (joints=\"servo\" in Python, "
+            "--joints servo of `laticauda export`), got 'references'",
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)

@@ -22,12 +22,15 @@ from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, S
 from laticauda.estimation.learning import Learned, Learner, Learning
 from laticauda.estimation.samples import Mount
 from laticauda.kinematics import to_quaternion, turn
+from laticauda.logs.recorder import CLOCK
 from laticauda.logs.recording import failures_of
 from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording import entries
 from laticauda.operate.recording.entries import Decision, Entry, Event, Header, PowerReading, Tick, Timing
+from laticauda.spatial.frames import Frames
 
 CHUNK = 0.5  # what is lost at most when the program is killed [s]
+PICTURE = 0.04  # between two postures that viewers get [s]
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning", "changed": "warning"}
 NOTES = {"idle_current": "idle", "settling": "initial"}
@@ -42,16 +45,19 @@ class OperationRecorder(logs.Recorder):
     Args:
         path: The file; an older one is never replaced.
         header: What is known at the start; it is on disk at once.
+        epoch: What time 0 of that clock is by the one on the wall [ns since 1970]; 0: nobody knows.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
         MissingExtra: If the package `mcap` is not installed.
     """
 
-    def __init__(self, path: str | Path, header: Header) -> None:
-        super().__init__(path, chunk_seconds=CHUNK)
+    def __init__(self, path: str | Path, header: Header, *, epoch: int = 0) -> None:
+        super().__init__(path, chunk_seconds=CHUNK, epoch=epoch)
         self.metadata(entries.HEADER, header.texts())
         robot = header.run.robot
+        self._bodies, self._drawn, self._fin_angle = Frames(robot), -math.inf, np.zeros(len(robot.fin_joints))
+        self.robot(0.0, self._bodies.description, self._bodies.fixed)
         self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
         self._driven = (*self._joints, "fin_joint")[: len(robot.driven_joints)]
         self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
@@ -83,6 +89,8 @@ class OperationRecorder(logs.Recorder):
                 names = next(n for n in (self._driven, self._joints, self._yaw) if entry.angle.size == len(n))
                 rate, torque = (() if value is None else value for value in (entry.rate, entry.torque))
                 self.joint_state("/joint_states", time, names, entry.angle, rate, torque)  # pyright: ignore
+                if names is self._driven and len(names) > len(self._joints):
+                    self._fin_angle[0] = np.nan_to_num(entry.angle[-1])
             case PoseSample() if not entry.is_lost:
                 turned = (1.0, 0.0, 0.0, 0.0) if entry.rotation is None else to_quaternion(entry.rotation)
                 self.pose("/mocap/body", time, entry.position.tolist(), turned)
@@ -92,6 +100,9 @@ class OperationRecorder(logs.Recorder):
                 turned = to_quaternion(turn("yaw", entry.heading) @ turn("pitch", entry.pitch))
                 self.pose("/estimate/body", time, (*entry.center_of_mass.tolist(), 0.0)[:3], turned)
                 self.scalar("/estimate/heading", time, entry.heading, unit="rad")
+                if time - self._drawn >= PICTURE:
+                    self._drawn = time
+                    self.transforms(time, self._frames(entry))
             case Decision():
                 for name, value in entry.signals.items():
                     self.scalar(f"/control/{name}", time, value, unit="SI")
@@ -100,6 +111,13 @@ class OperationRecorder(logs.Recorder):
                     self.scalar(f"/learned/{name}", time, value, unit="SI")
             case _:
                 pass
+
+    def _frames(self, seen: Estimate) -> dict[str, logs.Frame]:
+        """Where the links were thought to be; their mean pitch counts for the tail."""
+        tail = np.array([to_quaternion(turn("yaw", seen.link_angle[0]) @ turn("pitch", seen.pitch))])
+        one = (values[np.newaxis] for values in (seen.joint_angle, self._fin_angle))
+        found = self._bodies.moving(seen.center_of_mass[np.newaxis], tail, *one)
+        return {name: (parent, place[0], angle[0]) for name, (parent, place, angle) in found.items()}
 
     def note(self, name: str, content: Mapping[str, str | float]) -> None:
         """What was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
@@ -180,6 +198,8 @@ class OperationLog:
     """In the order in which they were recorded."""
     lost: str
     """What is missing from the file: a sentence; "" if nothing is."""
+    epoch: int = 0
+    """What its time 0 was by the clock on the wall [ns since 1970]; 0: nobody knows."""
 
     @property
     def timing(self) -> Timing | None:
@@ -222,10 +242,10 @@ def read_operation(path: str | Path) -> OperationLog:
     version = recording.metadata[entries.HEADER]["version"]
     with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
-    notes = {name: content for name, content in recording.metadata.items() if name != entries.HEADER}
-    return OperationLog(
-        path=Path(path), header=header, version=version, notes=notes, entries=found, lost=recording.lost
-    )
+    own = (entries.HEADER, CLOCK)
+    notes = {name: content for name, content in recording.metadata.items() if name not in own}
+    known = {"notes": notes, "entries": found, "lost": recording.lost, "epoch": recording.epoch}
+    return OperationLog(path=Path(path), header=header, version=version, **known)
 
 
 def header_in(recording: logs.Recording) -> Header:

@@ -1,5 +1,6 @@
 """The run of a recording as a trial, with (5) and (4)."""
 
+import datetime
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -53,7 +54,7 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
 
     Positions, velocities, heading and joint angles are the estimator's; the references are those in force; torques are
     the modules' own, if they report them; the electrical work is the power meter's, (4): V times the current above
-    the one at rest.
+    the one at rest. It was made when the run began, as far as the recording says by the clock on the wall.
 
     Args:
         log: The recording.
@@ -77,6 +78,8 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     wrong = [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
     learned: list[Learned] = log.of(Learned)
     notes = {"learned": learned[-1].line} if learned else {}
+    began = datetime.datetime.fromtimestamp((log.epoch + round(1e9 * time[0])) / 1e9, datetime.UTC)
+    created = {"created": began.isoformat()} if log.epoch else {}
     counts = end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True
     return Trial.measured(
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
@@ -85,6 +88,7 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
             log.header.run, notes={"source": "recording", **power_source, **notes, **log.header.run.notes}
         ),
         version=log.version,
+        **created,
         status=wrong[0].message if wrong else end.message if end is not None else "The recording reached its end.",
         succeeded=counts and not (wrong or log.lost),
     )

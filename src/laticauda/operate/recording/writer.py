@@ -33,6 +33,7 @@ class Writer(AbstractContextManager["Writer"]):
         header: What is known at the start; it is on disk at once.
         frames: Whether the raw frames of the bus are kept.
         learner: What learns from it meanwhile, in that program, too; None: nothing does.
+        epoch: See `OperationRecorder`.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written.
@@ -41,7 +42,9 @@ class Writer(AbstractContextManager["Writer"]):
     trouble = ""
     """Why nothing is recorded any more; "" as long as it is."""
 
-    def __init__(self, path: Path, header: Header, *, frames: bool = True, learner: Learner | None = None) -> None:
+    def __init__(
+        self, path: Path, header: Header, *, frames: bool = True, learner: Learner | None = None, epoch: int = 0
+    ) -> None:
         self.news = deque[Event]()
         """See `Sink`."""
         code = f"from {__name__} import main; main()"
@@ -50,7 +53,7 @@ class Writer(AbstractContextManager["Writer"]):
         self._process: Any = subprocess.Popen([sys.executable, "-P", "-c", code], start_new_session=True, **pipes)
         self._pipe, self._waiting = self._process.stdin.fileno(), bytearray()
         self._listener = threading.Thread(target=self._listen, name="recording", daemon=True)
-        self._send((path, header, frames, learner))
+        self._send((path, header, frames, learner, epoch))
         said = _heard(self._process.stdout)
         if said != "":
             self.close()
@@ -102,12 +105,12 @@ class Writer(AbstractContextManager["Writer"]):
 
 
 def main() -> None:
-    """What that program does: where to, the header and whether raw frames count come first, then tick after tick."""
+    """What that program does: what `Writer` is given comes first, then tick after tick."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = sys.stdin.buffer
-    path, header, frames, learner = cast("tuple[Path, Header, bool, Learner | None]", pickle.load(given))
+    path, header, frames, learner, epoch = cast("tuple[Path, Header, bool, Learner | None, int]", pickle.load(given))
     try:
-        with OperationRecorder(path, header) as recorder:
+        with OperationRecorder(path, header, epoch=epoch) as recorder:
             sink = Sink(recorder, frames=frames, learner=learner)
             _say("")
             _write(sink, given)

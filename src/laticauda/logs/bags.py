@@ -1,0 +1,83 @@
+"""Folders for rosbag2: an MCAP file with the `metadata.yaml` that the tools of ROS 2 look for beside it."""
+
+import json
+import shutil
+from pathlib import Path
+
+from laticauda import files
+from laticauda.errors import StorageFailed, TrialFileError
+from laticauda.logs import ros2
+from laticauda.logs.recorder import QUALITY
+from laticauda.logs.recording import Recording, open_recording
+from laticauda.trial import Trial
+
+VERSION = 5  # of metadata.yaml: that of ROS 2 Humble, which every later one reads
+METADATA = "metadata.yaml"
+
+
+def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
+    """Make a folder of a trial or a recording that `ros2 bag` and the package `rosbags` open.
+
+    Args:
+        source: A trial, or an MCAP file of ours: a trial's, or a recording, which is copied as it is.
+        folder: A new one, or an empty one.
+
+    Raises:
+        StorageFailed: If the folder holds something, or cannot be written.
+        TrialFileError: If the source is no MCAP file, or is not whole.
+        MissingExtra: If the package `mcap` is not installed.
+    """
+    place = files.local(folder).absolute()
+    file = place / f"{place.name}_0.mcap"
+    if not isinstance(source, Trial):
+        _check(open_recording(source))
+    try:
+        place.mkdir(exist_ok=True)
+    except OSError as error:
+        raise StorageFailed(f"{folder}: cannot be made: {(error.strerror or str(error)).lower()}.") from error
+    if any(place.iterdir()):
+        raise StorageFailed(f"{folder}: must be a new or an empty folder; name another one.")
+    if isinstance(source, Trial):
+        source.save(file)
+    else:
+        files.write(file, lambda new: shutil.copyfile(source, new))
+    information = {"rosbag2_bagfile_information": _information(open_recording(file))}
+    files.write(place / METADATA, f"{json.dumps(information, indent=2)}\n")  # YAML, which JSON is
+
+
+def _check(recording: Recording) -> None:
+    if recording.lost:
+        raise TrialFileError(f"{recording.lost} `laticauda replay --save` makes a trial of what there is.")
+
+
+def _information(recording: Recording) -> dict[str, object]:
+    """What rosbag2 asks for."""
+    topics = [
+        {
+            "topic_metadata": {
+                "name": name,
+                "type": ros2.schema_name(topic.kind),
+                "serialization_format": "cdr",
+                "offered_qos_profiles": QUALITY.get(name, ""),
+            },
+            "message_count": topic.n_messages,
+        }
+        for name, topic in recording.topics.items()
+    ]
+    count = sum(topic.n_messages for topic in recording.topics.values())
+    start, duration = (round(1e9 * one) for one in (recording.start, recording.stop - recording.start))
+    span = {
+        "duration": {"nanoseconds": duration},
+        "starting_time": {"nanoseconds_since_epoch": recording.epoch + start},
+        "message_count": count,
+    }
+    return {
+        "version": VERSION,
+        "storage_identifier": "mcap",
+        "relative_file_paths": [recording.path.name],
+        **span,
+        "topics_with_message_count": topics,
+        "compression_format": "",
+        "compression_mode": "",
+        "files": [{"path": recording.path.name, **span}],
+    }
