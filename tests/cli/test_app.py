@@ -229,6 +229,43 @@ def test_ctrl_c_where_a_library_in_c_prints_errors_instead_of_handing_them_on_is
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
 
 
+HALF_MADE = """
+import os, signal, sys
+from laticauda import cli
+from laticauda.cli import app
+
+class Handle:
+    def __init__(self, is_cycle):
+        self.cycle = self if is_cycle else None
+        if sys.argv[1] == "interrupted":
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def __del__(self):
+        print(self.pointer)
+
+def work(args):
+    Handle(sys.argv[2] == "in a cycle")
+    return 0
+
+app.main = work
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("where", ["alone", "in a cycle"])
+def test_what_ctrl_c_leaves_half_made_says_nothing_when_it_goes(where: str):
+    words = [sys.executable, "-c", HALF_MADE]
+    done = subprocess.run([*words, "interrupted", where], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
+
+
+def test_what_breaks_without_ctrl_c_is_said():
+    words = [sys.executable, "-c", HALF_MADE, "undisturbed", "alone"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "AttributeError: 'Handle' object has no attribute 'pointer'" in done.stderr
+
+
 TWICE = """
 import os, signal, sys
 from laticauda import cli

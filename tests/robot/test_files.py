@@ -271,6 +271,15 @@ def test_a_fault_of_the_extended_file_is_told_with_that_files_name(tmp_path):
         load_water(child)
 
 
+def test_an_extended_file_that_cannot_be_read_is_told_with_the_file_that_extends_it(tmp_path):
+    (tmp_path / "base.toml").write_text("a = ", encoding="utf-8")
+    child = tmp_path / "child.toml"
+    for base, message in (("./", "is a folder, not a file"), ("base.toml", "is not valid TOML")):
+        child.write_text(f'kind = "water"\nextends = "{base}"\n', encoding="utf-8")
+        with pytest.raises(RobotFileError, match=f"{re.escape(str(child))}: key `extends`: .*{message}"):
+            load_water(child)
+
+
 def test_two_files_that_extend_each_other_are_refused(tmp_path):
     for mine, other in (("a", "b"), ("b", "a")):
         (tmp_path / f"{mine}.toml").write_text(f'kind = "water"\nextends = "{other}.toml"\n', encoding="utf-8")

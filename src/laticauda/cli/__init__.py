@@ -4,12 +4,14 @@ Ctrl-C ends it with one line, in the midst of imports too, and where a library i
 of which would say much more; a second one ends it at once. Only this is imported before the program listens for it.
 """
 
+import gc
 import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import FrameType
+from typing import Any
 
 __all__ = ["main"]
 
@@ -28,7 +30,7 @@ def main(args: Sequence[str] | None = None) -> int:
     if is_ours:
         signal.signal(signal.SIGINT, _stop)
         sys.excepthook = lambda kind, e, at: os._exit(_say()) if kind is KeyboardInterrupt else printing(kind, e, at)
-        sys.unraisablehook = lambda lost: os._exit(_say()) if lost.exc_type is KeyboardInterrupt else before(lost)
+        sys.unraisablehook = lambda lost: _lose(lost, before)
     try:
         from laticauda.cli import app
 
@@ -37,6 +39,8 @@ def main(args: Sequence[str] | None = None) -> int:
         return _say()
     finally:
         if is_ours:
+            if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+                gc.collect()  # while nobody says that half-made things break
             signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual)
             sys.excepthook, sys.unraisablehook = printing, before
 
@@ -49,6 +53,14 @@ def _stop(number: int, frame: FrameType | None) -> None:
             os._exit(_say())
         frame = frame.f_back
     raise KeyboardInterrupt
+
+
+def _lose(lost: Any, before: Callable[[Any], Any]) -> None:
+    """End at an interrupt that cannot be handed on; of objects that it left half made nobody says that they break."""
+    if lost.exc_type is KeyboardInterrupt:
+        os._exit(_say())
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_DFL:
+        before(lost)
 
 
 def _say() -> int:

@@ -20,7 +20,7 @@ from typing import Any, TypeAlias, TypeVar, cast, overload
 
 from laticauda import extensions, files, gaits
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
-from laticauda.errors import BadArgument, RobotFileError, nearest
+from laticauda.errors import BadArgument, LaticaudaError, RobotFileError, nearest
 from laticauda.fluid.flow import Flow
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
@@ -158,12 +158,13 @@ def _inherited(base: object, shown: str, path: Path | None, word: str, parents: 
         raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
     try:
         other = find(base, word, None if path is None else path.parent)
-    except RobotNotFound as error:
-        raise RobotNotFound(f"{shown}: key `extends`: {error}") from None
+        found = read_table(other)
+    except LaticaudaError as error:
+        raise type(error)(f"{shown}: key `extends`: {error}") from None
     chain = parents if path is None else (*parents, path.resolve())
     if other.resolve() in chain:
         raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
-    kind, table = _complete(read_table(other), str(other), other, KINDS.get(word, Flow), chain)
+    kind, table = _complete(found, str(other), other, KINDS.get(word, Flow), chain)
     _build(kind, table, str(other))
     return {key: value for key, value in table.items() if key not in ("name", "description")}
 
