@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from laticauda import figures
+from laticauda import figures, studies
 from laticauda.cli import vary
 from laticauda.cli.command import Outcome, stored_trials
 from laticauda.cli.flags import File, Folder, Picture, Words
@@ -21,18 +21,6 @@ from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
-from laticauda.studies import (
-    SPEED_POWER,
-    Front,
-    Optimization,
-    Samples,
-    Sweep,
-    best,
-    count_failed,
-    open_sweep,
-    optimize,
-    run_sweep,
-)
 from laticauda.studies.cluster import connected
 from laticauda.studies.optimization import Limits
 from laticauda.studies.sampling import Points
@@ -73,7 +61,7 @@ class SweepCommand(Study):
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
         try:
-            sweep = Sweep(scenario=scenario, points=self._points(known))
+            sweep = studies.Sweep(scenario=scenario, points=self._points(known))
         except BadArgument as error:
             if self.list is None or error.name == "list":
                 raise
@@ -82,15 +70,15 @@ class SweepCommand(Study):
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
                 warn_of_compiling(scenario.environment, scenario.model)
-            run_sweep(sweep, self.output, progress=show, client=client, threads=self.threads)
-        n_trials, n_failed = sweep.n_trials, count_failed(self.output)
+            studies.run_sweep(sweep, self.output, progress=show, client=client, threads=self.threads)
+        n_trials, n_failed = sweep.n_trials, studies.count_failed(self.output)
         if self.plot is not None:
-            figures.save_figure(figures.sweep_sheet(open_sweep(self.output)), self.plot)
+            figures.save_figure(figures.sweep_sheet(studies.open_sweep(self.output)), self.plot)
         status = f"All {n_trials} trials reached their end."
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
         figure = self.best.replace("-", "_")
-        points = best(self.output, figure, N_BEST)
+        points = studies.best(self.output, figure, N_BEST)
         facts: dict[str, Any] = {
             "status": status,
             "n_trials": n_trials,
@@ -119,7 +107,7 @@ class SweepCommand(Study):
         if self.samples is None:
             return vary.grid(words, known)
         ranges = vary.ranges(words, known, vary.SAMPLES_FORM)
-        return Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
+        return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
 
 
 @value
@@ -166,23 +154,23 @@ class Optimize(Study):
             text.append(f"Figure: {', '.join(map(str, pictures))}")
         return Outcome(facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0)
 
-    def _front(self, scenario: Scenario, folder: Path) -> Front:
+    def _front(self, scenario: Scenario, folder: Path) -> studies.Front:
         """Do the work that is left."""
         names = [one_of("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective]
         words = [word for group in self.vary for word in group] or RANGES
-        sought = Optimization(
+        sought = studies.Optimization(
             scenario=scenario,
             bounds=vary.ranges(words, parameters(scenario), vary.RANGE_FORM),
-            objectives=SPEED_POWER if names == [BOTH] else [name.replace("-", "_") for name in names],
+            objectives=studies.SPEED_POWER if names == [BOTH] else [name.replace("-", "_") for name in names],
             **vars(self.limits),
         )
         warn_of_compiling(scenario.environment, scenario.model)
         how = {name: getattr(self, name) for name in ("budget", "population", "seed", "threads")}
         with stored_trials(folder) as show:
-            return optimize(sought, folder, progress=show, **how)
+            return studies.optimize(sought, folder, progress=show, **how)
 
 
-def _facts(front: Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
+def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
     """What was run, and some points of a front, in SI units."""
     return {
         "status": _status(front),
@@ -199,7 +187,7 @@ def _facts(front: Front, folder: Path, pictures: Sequence[Path]) -> dict[str, An
     }
 
 
-def _text(front: Front, folder: Path) -> str:
+def _text(front: studies.Front, folder: Path) -> str:
     """Some points of a front as a table, and where the files are."""
     sought, parts = front.optimization, [_status(front)]
     if len(front):
@@ -209,7 +197,7 @@ def _text(front: Front, folder: Path) -> str:
     return "\n\n".join([*parts, f"All points: {folder}/front.csv, {folder}/front.nc"])
 
 
-def _at_bounds(front: Front) -> list[str]:
+def _at_bounds(front: studies.Front) -> list[str]:
     """What lies at an end of its range, a sentence each."""
     known, found = parameters(front.optimization.scenario), list[str]()
     for row in front.at_bounds():
@@ -220,7 +208,7 @@ def _at_bounds(front: Front) -> list[str]:
     return found
 
 
-def _status(front: Front) -> str:
+def _status(front: studies.Front) -> str:
     sought = front.optimization
     words = " against ".join(name.replace("_", " ") for name in sought.objectives)
     tried = f"{front.n_trials} points tried"

@@ -107,7 +107,7 @@ def _part(kind: type) -> Schema:
 
 def _fields(kind: type) -> dict[str, Schema]:
     """The fields of a class by name, angles in degrees by theirs, too."""
-    hints, texts, numbers = (of(kind) for of in (quantities.hints_of, quantities.texts_of, quantities.quantities_of))
+    hints, texts, numbers = quantities.hints_of(kind), quantities.texts_of(kind), quantities.quantities_of(kind)
     found = {name: _field(hint, texts[name], numbers.get(name)) for name, hint in hints.items()}
     for name, plain in quantities.degrees_of(kind).items():
         found[name] = _field(hints[plain], texts[plain], numbers[plain].in_degrees)
@@ -138,6 +138,7 @@ def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
     if base in PLAIN:
         return [{"type": PLAIN[base]}]
     if isinstance(base, type) and Extensible in base.__bases__:
-        kinds = {"kind": {"type": "string", "examples": list(base.names())}}  # others may add to them
+        group: Any = base
+        kinds = {"kind": {"type": "string", "examples": list(group.names())}}  # others may add to them
         return [TEXT, {"type": "object", "properties": kinds}]
     return [{"type": "object"}]

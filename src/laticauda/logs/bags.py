@@ -29,8 +29,9 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     """
     place = files.local(folder).absolute()
     file = place / f"{place.name}_0.mcap"
-    if not isinstance(source, Trial):
-        _check(open_recording(source))
+    lost = "" if isinstance(source, Trial) else open_recording(source).lost
+    if lost:
+        raise TrialFileError(f"{lost} `laticauda replay --save` makes a trial of what there is.")
     try:
         place.mkdir(exist_ok=True)
     except OSError as error:
@@ -43,11 +44,6 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
         files.write(file, lambda new: shutil.copyfile(source, new))
     information = {"rosbag2_bagfile_information": _information(open_recording(file))}
     files.write(place / METADATA, f"{json.dumps(information, indent=2)}\n")  # YAML, which JSON is
-
-
-def _check(recording: Recording) -> None:
-    if recording.lost:
-        raise TrialFileError(f"{recording.lost} `laticauda replay --save` makes a trial of what there is.")
 
 
 def _information(recording: Recording) -> dict[str, object]:
@@ -64,12 +60,11 @@ def _information(recording: Recording) -> dict[str, object]:
         }
         for name, topic in recording.topics.items()
     ]
-    count = sum(topic.n_messages for topic in recording.topics.values())
     start, duration = (round(1e9 * one) for one in (recording.start, recording.stop - recording.start))
     span = {
         "duration": {"nanoseconds": duration},
         "starting_time": {"nanoseconds_since_epoch": recording.epoch + start},
-        "message_count": count,
+        "message_count": sum(topic.n_messages for topic in recording.topics.values()),
     }
     return {
         "version": VERSION,

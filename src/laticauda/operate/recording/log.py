@@ -244,8 +244,10 @@ def read_operation(path: str | Path) -> OperationLog:
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
     own = (entries.HEADER, CLOCK)
     notes = {name: content for name, content in recording.metadata.items() if name not in own}
-    known = {"notes": notes, "entries": found, "lost": recording.lost, "epoch": recording.epoch}
-    return OperationLog(path=Path(path), header=header, version=version, **known)
+    read = OperationLog(
+        path=Path(path), header=header, version=version, notes=notes, entries=found, lost=recording.lost
+    )
+    return replace(read, epoch=recording.epoch)
 
 
 def header_in(recording: logs.Recording) -> Header:
