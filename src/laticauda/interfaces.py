@@ -97,9 +97,7 @@ class Command:
                 continue
             if joints.prescribed:
                 rule = "must be None for prescribed joints, which can neither jump nor go limp"
-                raise BadArgument(
-                    name, f"{rule}; say `joints` = `servo` or `pd` at the start, got {len(values)} of them"
-                )
+                raise BadArgument(name, f"{rule}; take `joints` = `servo` or `pd`, got {len(values)} of them")
             n, most = robot.n_joints, len(robot.driven_joints)
             if len(values) not in (n, most):
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"

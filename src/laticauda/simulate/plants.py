@@ -3,22 +3,13 @@
 from pathlib import Path
 from typing import Any, Unpack, cast
 
+from laticauda import scenarios
 from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import School
 from laticauda.errors import BadArgument, instance, load_mujoco
 from laticauda.interfaces import Command
 from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
-from laticauda.scenarios import (
-    Experiment,
-    Model,
-    ModelChanges,
-    Planar,
-    Scenario,
-    Spatial,
-    environment_of,
-    model_of,
-    unknown_in,
-)
+from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial
 
 
 def plant(
@@ -46,14 +37,14 @@ def plant(
     if isinstance(robot, Experiment):
         raise BadArgument("scenario", f"must be that of a simulated run to be run again; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
-        for one in unknown_in(robot):
+        for one in scenarios.unknown_in(robot):
             advice = "import the module that does, or install the package that brings it"
             raise BadArgument("scenario", f"cannot be run here: nobody has defined its `{one.kind}`; {advice}")
         return _plant(robot.robot, robot.environment, robot.model)
     body = load_robot(robot) if isinstance(robot, str | Path) else cast(Robot, instance("robot", robot, Robot))
-    where = cast(Environment, instance("environment", environment_of(environment, body), Water, Ground))
+    where = cast(Environment, instance("environment", scenarios.environment_of(environment, body), Water, Ground))
     given = {name: one for name, one in changes.items() if one is not None}
-    return _plant(body, where, model_of(model, **given))
+    return _plant(body, where, scenarios.model_of(model, **given))
 
 
 def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
@@ -87,7 +78,7 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
     Raises:
         MissingExtra: If the model needs a package that is not installed.
     """
-    model = model_of(model or "planar")
+    model = scenarios.model_of(model or "planar")
     from laticauda.compiling.templates import is_kept
 
     if isinstance(model, Spatial):
