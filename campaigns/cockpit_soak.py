@@ -8,6 +8,7 @@ playwright are there, and otherwise a client that reads everything and draws not
     python campaigns/cockpit_soak.py                       # 30 minutes, ten times as fast as real time
     python campaigns/cockpit_soak.py --minutes 10 --every 0.2 --no-browser   # 3000 changes
     python campaigns/cockpit_soak.py --day     # 24 hours, the clock 50 times as fast, 200 visits, a change a minute
+    python campaigns/cockpit_soak.py --day --no-browser       # the same, where two cores cannot draw so fast
 
 The tests run a slice of it.
 
@@ -94,14 +95,23 @@ class Visitor(NamedTuple):
 @contextlib.contextmanager
 def reader(address: str) -> Iterator[Visitor]:
     """A page without a picture, in a process of its own."""
-    process = subprocess.Popen(
-        [sys.executable, str(PAGE), address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    words = [sys.executable, str(PAGE), address]
+    there: list[subprocess.Popen[bytes]] = []
+
+    def leave() -> None:
+        there[-1].kill()
+        there.pop().wait()
+
+    def again() -> None:
+        if there:
+            leave()
+        there.append(subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+
+    again()
     try:
-        yield Visitor()
+        yield Visitor(again=again)
     finally:
-        process.kill()
-        process.wait()
+        leave()
 
 
 @contextlib.contextmanager
