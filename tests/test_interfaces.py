@@ -8,7 +8,7 @@ import pytest
 
 from laticauda import Wave, eel_like, load_robot
 from laticauda.gaits import Generator
-from laticauda.interfaces import Command, Start
+from laticauda.interfaces import Command, Resumed, Start
 from laticauda.robot import Joint, load_water
 from laticauda.simulate import plant
 
@@ -139,3 +139,8 @@ def test_an_observation_has_the_robots_motion_and_nothing_of_the_water(model):
     assert one.keys() == other.keys()
     for name, value in one.items():
         np.testing.assert_array_equal(value, other[name], err_msg=name)
+
+
+def test_a_state_to_go_on_from_is_arrays_by_name():
+    with pytest.raises(ValueError, match="`state` must be of class Mapping, got ndarray"):
+        Resumed(state=np.zeros(3))

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, finite
+from laticauda.errors import BadArgument, finite, instance
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import STRAIGHT
@@ -164,6 +164,7 @@ class Resumed:
 
     def __post_init__(self) -> None:
         """Keep plain numbers, which compare and can be stored."""
+        instance("state", self.state, Mapping)
         state = {name: tuple(np.asarray(values, dtype=float).tolist()) for name, values in self.state.items()}
         object.__setattr__(self, "state", state)
 

@@ -1,4 +1,6 @@
 import itertools
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -102,3 +104,9 @@ def test_whole_numbers_have_equal_shares_of_the_samples():
 def test_points_that_make_no_sense_are_refused(make, message: str):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_values_that_are_no_mapping_are_refused_where_nobody_checks_types():
+    code = "from laticauda.studies import Grid; Grid(values=[0.1])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stderr.endswith("BadArgument: `values` must be of class Mapping, got list.\n")

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, at_least_one, finite, optional_import
+from laticauda.errors import BadArgument, at_least_one, finite, instance, optional_import
 from laticauda.quantities import option, quantity, several, value
 
 Values = Float[np.ndarray, " n_values"]
@@ -221,6 +221,7 @@ Points: TypeAlias = Grid | Rows | Samples
 
 
 def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
+    instance("values", values, Mapping)
     at_least_one("values", values, "parameter")
     found: dict[str, Values] = {}
     for name, given in values.items():
