@@ -14,7 +14,7 @@ import time
 
 from _timing import print_load
 
-from laticauda.cosim import Server, matlab_folder
+from laticauda.cosim import Server, clients_folder
 
 COUNT = 500
 OCTAVE = """
@@ -49,7 +49,7 @@ def from_octave(port: int, joints: str) -> float | None:
     """The same of Octave; None where it is not installed."""
     if shutil.which("octave-cli") is None:
         return None
-    code = OCTAVE.format(folder=matlab_folder(), port=port, joints=joints, count=COUNT)
+    code = OCTAVE.format(folder=clients_folder() / "matlab", port=port, joints=joints, count=COUNT)
     done = subprocess.run(["octave-cli", "--quiet", "--eval", code], capture_output=True, text=True, timeout=300)
     try:
         return float(done.stdout)

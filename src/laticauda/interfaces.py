@@ -229,6 +229,7 @@ def check_waves(robot: Robot, gait: Gait) -> None:
     Raises:
         ValueError: If so.
     """
+    instance("gait", gait, Gait)
     if gait.fin is not None and 0 not in robot.fin_joints:
         raise BadArgument("gait.fin", f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}")
     if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):

@@ -10,7 +10,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
-from laticauda.cosim import Server, matlab_folder
+from laticauda.cosim import Server, clients_folder
 from laticauda.cosim.messages import FIRST_GAIT
 from laticauda.interfaces import Start
 from laticauda.simulate import plant, run
@@ -38,7 +38,7 @@ def octave(server, tmp_path):
     def octave(code: str, *more: str, port: int = server.port) -> str:
         script = tmp_path / "script.m"
         words = ", ".join(("'127.0.0.1'", str(port), "30", *more))
-        head = f"addpath ('{matlab_folder()}');\nclient = laticauda_client ({words});\n"
+        head = f"addpath ('{clients_folder() / 'matlab'}');\nclient = laticauda_client ({words});\n"
         script.write_text(head + code, encoding="utf-8")
         words = ["octave-cli", "--quiet", "--no-init-file", str(script)]
         done = subprocess.run(words, capture_output=True, text=True, timeout=120)

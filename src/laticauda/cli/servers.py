@@ -172,8 +172,7 @@ class Serve(Command):
             facts = {"host": server.host, "port": server.port, "protocol": cosim.PROTOCOL_VERSION}
             address = f"{server.host}:{server.port} ({f'token {token}' if token else 'this computer only'})"
             text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | clients {folder}"
-            folders = {"clients": folder, "matlab": str(cosim.matlab_folder())}
-            self.announce({**facts, "token": token, **folders}, text)
+            self.announce({**facts, "token": token, "clients": folder, "matlab": f"{folder}/matlab"}, text)
             server.run()
         return None
 

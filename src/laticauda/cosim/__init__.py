@@ -17,14 +17,9 @@ if TYPE_CHECKING:
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session
 
-__getattr__, __dir__, __all__ = lazy_exports("clients_folder", "matlab_folder")
+__getattr__, __dir__, __all__ = lazy_exports("clients_folder")
 
 
 def clients_folder() -> Path:
-    """The folder with the clients of the server: `c`, `julia`, `matlab`."""
+    """The folder with the clients of the server: `c`, `julia`, and `matlab`, which GNU Octave takes, too."""
     return Path(__file__).parent / "clients"
-
-
-def matlab_folder() -> Path:
-    """The folder with the client for GNU Octave and MATLAB, to be added to their path."""
-    return clients_folder() / "matlab"

@@ -206,8 +206,8 @@ def to_frame(message: messages.CanMessage) -> Any:
 
 
 def from_frame(frame: Any) -> messages.CanMessage | None:
-    """The message in `frame`, a `can.Message`, or None if it is none of ours; error and remote frames are not."""
-    if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
+    """The message in `frame`, a `can.Message`, or None if it is none of ours, as error and remote frames are."""
+    if getattr(frame, "is_extended_id", True) or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
 
