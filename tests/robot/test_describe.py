@@ -36,6 +36,13 @@ def test_a_preset_is_described(name, fact):
     assert fact in describe(load_robot(name))
 
 
+def test_a_fin_without_an_opening_is_not_called_open():
+    robot = load_robot("mamba-fin")
+    whole = dataclasses.replace(robot, caudal_fin=dataclasses.replace(robot.caudal_fin, opening_length=0.0))
+    assert "opening open" in describe(robot)
+    assert "opening" not in describe(whole)
+
+
 def test_what_differs_from_the_plain_robot_is_told():
     plain = load_robot("mamba", n_links=3)
     special = dataclasses.replace(

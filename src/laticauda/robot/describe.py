@@ -84,7 +84,8 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
         stated = "" if actuator.stated else "not stated; if it were Mamba's: "
         yield f"actuators {place}", stated + in_a_line(told(actuator, "stated"))
     if fin is not None:
-        yield "caudal fin", in_a_line({"mass": f"{fin.mass:g} kg", **told(fin)})
+        no_hole = () if fin.opening_length else ("opening",)
+        yield "caudal fin", in_a_line({"mass": f"{fin.mass:g} kg", **told(fin, *no_hole)})
     for thruster in robot.thrusters:
         yield f"thruster on link {thruster.link}", in_a_line(told(thruster, "link"))
     for plate in robot.pectoral_fins:
@@ -94,9 +95,8 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     yield "surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"
     book = textbook.textbook_water(robot)
     for name, (low, high) in book.intervals.items():
-        number = attrgetter(name.removeprefix("water."))(book.water)
-        text = f"{name.rpartition('.')[2]} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"
-        yield "textbook water", text
+        number, last = attrgetter(name.removeprefix("water."))(book.water), name.rpartition(".")[2]
+        yield "textbook water", f"{last} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"
     if robot.idle_power:
         yield "power at rest", f"{robot.idle_power:g} W"
     if robot.active_power is not None:
