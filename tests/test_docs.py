@@ -30,6 +30,7 @@ from markdown import Markdown
 from rendering import skip_without_rendering
 
 from laticauda.cli import main
+from laticauda.extensions import Extensible
 
 ROOT = Path(__file__).parent.parent
 MADE = {"gallery": "examples/*.py", "notebooks": "docs/notebooks/*.ipynb"}
@@ -135,6 +136,13 @@ def follow(page: Path, capture: Callable[[], str] = str) -> None:
                     (run_in_shell if page.name == "README.md" else run_here)(line)
                 elif line.startswith("make "):
                     run_in_shell(f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}")
+
+
+@pytest.fixture(autouse=True)
+def laws_of_pages_are_forgotten(monkeypatch: pytest.MonkeyPatch):
+    """What a page defines is known to the page alone: messages of other tests list all that there is."""
+    for base in Extensible.__subclasses__():
+        monkeypatch.setattr(base, "_known", dict(base._known))
 
 
 def renders(page: Path) -> bool:

@@ -84,7 +84,15 @@ class Estimator(StateEstimator):
         return EstimatorState(history=((None, first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
-        """The state after one more sample, in whatever order samples come; arguments and errors as for `steps`."""
+        """The state after one more sample, in whatever order samples come.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            sample: What came in.
+
+        Raises:
+            ValueError: If the sample does not fit the robot.
+        """
         return self.steps(state, (sample,))
 
     def steps(self, state: EstimatorState, samples: Sequence[Sample]) -> EstimatorState:

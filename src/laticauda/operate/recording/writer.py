@@ -33,7 +33,7 @@ class Writer(AbstractContextManager["Writer"]):
         header: What is known at the start; it is on disk at once.
         frames: Whether the raw frames of the bus are kept.
         learner: What learns from it meanwhile, in that program, too; None: nothing does.
-        epoch: See `OperationRecorder`.
+        epoch: What time 0 of that clock is by the one on the wall [ns since 1970]; 0: nobody knows.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written.
