@@ -122,7 +122,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/joint_states".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             names: Of the joints, tail first.
             position: Their angles [rad].
             velocity: Their rates [rad/s]; empty if not known.
@@ -143,7 +143,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/body".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             position: x, y, z [m].
             quaternion: Its orientation w, x, y, z [-].
             frame: Whose axes these are.
@@ -181,7 +181,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/power/electrical".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             value: The number.
             unit: Its unit.
         """
@@ -192,7 +192,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/link_force".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             values: An array of numbers.
             unit: Their unit.
             labels: Names of its axes.
@@ -210,7 +210,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/can".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             identifier: Of the frame.
             data: Up to 8 bytes.
 
@@ -232,7 +232,7 @@ class Recorder:
 
         Args:
             topic: Where, as "/settings".
-            time: When it happened, not negative: since the start of the run, or since 1970 [s].
+            time: When it happened, since `epoch` [s].
             content: The data.
         """
         self.message(topic, time, "std_msgs/String", (json.dumps(content),), unit="json")
