@@ -25,6 +25,7 @@ def patient(monkeypatch):
         "HOLD_AFTER": 1.5,
         "LIMP_AFTER": 2.5,
         "WATCHDOG": 100,
+        "ANSWER_TIME": 2.0,
         "PING_TIME": 6.0,
         "SILENCE": 1.0,
     }.items():

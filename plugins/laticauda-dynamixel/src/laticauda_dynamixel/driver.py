@@ -292,13 +292,13 @@ class Dynamixel(Bus):
         found = self._asked_for(Packet(BROADCAST, Instruction.SYNC_READ, words), set(numbers))
         return {number: data for number, data in found.items() if len(data) == size}
 
-    def _asked_for(self, packet: Packet, who: set[int] | None, patience: float = ANSWER_TIME) -> dict[int, bytes]:
+    def _asked_for(self, packet: Packet, who: set[int] | None, patience: float = 0.0) -> dict[int, bytes]:
         """Send a packet, and wait for the answers of these servos, or of any (None): data without errors."""
         if self._port.in_waiting:
             self._port.reset_input_buffer()
         self._port.write(packets.encoded(packet))
         found: dict[int, bytes] = {}
-        end = time.monotonic() + patience
+        end = time.monotonic() + (patience or ANSWER_TIME)
         while (who is None or not who <= found.keys()) and time.monotonic() < end:
             for answer in self._reader.feed(self._port.read(max(self._port.in_waiting, 1))):
                 if answer.instruction == Instruction.STATUS and answer.data:
