@@ -266,6 +266,20 @@ def test_the_command_line_drives_stores_and_resumes_them(ideas, tmp_path, monkey
     assert "4 trials" in capsys.readouterr().out
 
 
+def test_a_file_shows_the_laws_of_those_who_are_not_here(ideas, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(f"swim {LINE} --stiffness 25 --wash 0.4 --save own.nc".split()) == 0
+    for group, name in GROUPS:
+        monkeypatch.delitem(group._known, name)
+    capsys.readouterr()
+    assert main("trial show own.nc --json".split()) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["coefficients"]["drag"] == {"kind": "washed-drag", "wash": 0.4, "floor": 0.1}
+    assert found["gait_parameters"]["envelope"]["kind"] == "carangiform"
+    for line in ("trial show own.nc", "trial plot own.nc --output own.png", "trial convert own.nc own.csv"):
+        assert main(line.split()) == 0
+
+
 def test_a_run_goes_on_with_its_laws(ideas, gait, water):
     body = lc.plant(ROBOT, water, joints=ideas.Spring(), ramp=0.0)
     whole = lc.run(body, lc.OpenLoop(command=lc.Command(gait=gait)), 2.0)

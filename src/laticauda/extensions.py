@@ -73,7 +73,7 @@ class Extensible:
             name: What the file calls it.
             table: What else the file says of it.
         """
-        made: Any = object.__new__(_stand_in(cls))
+        made: Any = object.__new__(_stand_in(cls, name))
         made.__dict__ |= {"kind": name, "table": dict(table)}
         return made
 
@@ -124,8 +124,8 @@ class Unknown:
 
 
 @functools.cache
-def _stand_in(base: type[Any]) -> type[Any]:
-    return type(f"_Unknown{base.__name__}", (Unknown, base), {})
+def _stand_in(base: type[Any], name: str) -> type[Any]:
+    return type(f"_Unknown{base.__name__}", (Unknown, base), {"called": name})
 
 
 def name_of(kind: type) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from laticauda.errors import LaticaudaError, StorageFailed
+from laticauda.extensions import Unknown
 
 MOST_BYTES = 1 << 26
 """A text that a person or a program wrote for us is not longer than this."""
@@ -168,6 +169,8 @@ def plain(content: Any) -> Any:
     """
     if isinstance(content, Mapping):
         return {key: plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
+    if isinstance(content, Unknown):
+        return {"kind": content.kind, **plain(content.table)}
     if isinstance(content, list | tuple):
         return [plain(one) for one in cast("list[Any]", content)]
     return None if isinstance(content, float) and not math.isfinite(content) else content

@@ -249,8 +249,9 @@ def degrees_of(kind: type) -> Mapping[str, str]:
 
 @functools.cache
 def texts_of(kind: type) -> Mapping[str, str]:
-    """What every field of a class is; "" where nothing is declared."""
-    return types.MappingProxyType({f.name: f.metadata.get("text", "") for f in dataclasses.fields(kind)})
+    """What every field of a class is; "" where nothing is declared. A stand-in for an unknown class has none."""
+    fields = vars(kind).get("__dataclass_fields__", {}).values()
+    return types.MappingProxyType({f.name: f.metadata.get("text", "") for f in fields})
 
 
 @functools.cache
@@ -305,8 +306,7 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
         if declared is not None and float in among:
             low, high = declared.ends
             high = math.inf if field.default == math.inf else high
-        own = field.metadata.get("check")
-        found.append((field.name, low, high, own or _check_of(hints[field.name], declared)))
+        found.append((field.name, low, high, field.metadata.get("check") or _check_of(hint, declared)))
     return tuple(found)
 
 

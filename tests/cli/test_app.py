@@ -229,6 +229,37 @@ def test_ctrl_c_where_a_library_in_c_prints_errors_instead_of_handing_them_on_is
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
 
 
+COMPILED = """
+import os, signal
+from numba import njit
+from numba.extending import overload
+from laticauda import cli
+from laticauda.cli import app
+
+def law(x):
+    return x
+
+@overload(law)
+def _typed(x):
+    os.kill(os.getpid(), signal.SIGINT)
+    return lambda x: x
+
+def work(args):
+    try:
+        njit(lambda x: law(x))(1.0)
+    except KeyboardInterrupt:
+        print("takes a compiler apart")
+
+app.main = work
+cli.main([])
+"""
+
+
+def test_ctrl_c_while_a_kernel_is_compiled_ends_at_once_as_what_the_compiler_left_may_crash():
+    done = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
+
+
 HALF_MADE = """
 import os, signal, sys
 from laticauda import cli

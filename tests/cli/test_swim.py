@@ -24,9 +24,11 @@ def lateral(**changes: float) -> lc.Gait:
 
 
 def test_the_command_of_the_design_prints_one_json_object(run):
+    trial = lc.swim(
+        lc.load_robot("mamba"), lateral()
+    )  # compiles what is to be compiled, of which the command would tell
     done = run(f"{PAPER} --json")
     found = json.loads(done.out)
-    trial = lc.swim(lc.load_robot("mamba"), lateral())
     assert (done.status, done.err) == (0, "")
     assert found["forward_velocity"] == trial.forward_velocity
     assert found["mean_power"] == trial.mean_power

@@ -1,7 +1,7 @@
 """The command `laticauda`: text in, one call, text out.
 
-Ctrl-C ends it with one line, in the midst of imports too, and where a library in C prints what it cannot hand on, all
-of which would say much more; a second one ends it at once. Only this is imported before the program listens for it.
+Ctrl-C ends it with one line, in the midst of imports and compilers too, and where a library in C prints what it cannot
+hand on, all of which would say much more; a second one ends it at once. Only this is imported before it listens.
 """
 
 import gc
@@ -14,6 +14,8 @@ from types import FrameType
 from typing import Any
 
 __all__ = ["main"]
+
+COMPILERS = (f"{os.sep}llvmlite{os.sep}", f"{os.sep}numba{os.sep}")
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -46,10 +48,13 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Interrupt what is done; while something is being imported, end: half of a module is of use to nobody."""
+    """Interrupt what is done; while something is imported or compiled, end: half of it is of use to nobody.
+
+    A compiler that is left in the midst of what it does in C may crash when its objects go.
+    """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
+        if any(one in frame.f_code.co_filename for one in ("<frozen importlib", *COMPILERS)):
             os._exit(_say())
         frame = frame.f_back
     raise KeyboardInterrupt

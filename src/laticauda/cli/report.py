@@ -14,21 +14,18 @@ from laticauda.robot import SEEN, TEXTBOOK, Ground, coefficients, in_a_line
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
-# Said once at the top, or by `mean_power`.
-LEFT_OUT = ("duration",)
+LEFT_OUT = ("duration",)  # said once, at the top
 
 
 def facts_of(trial: Trial) -> dict[str, Any]:
     """In SI units, for JSON: the trial's summary, what was measured, and how the run was made."""
-    measured = measured_counterpart(trial)
-    environment = dataclasses.asdict(trial.environment)
+    measured, environment = measured_counterpart(trial), dataclasses.asdict(trial.environment)
     found: dict[str, Any] = {
         **trial.summary(),
         "not_measured": list(trial.not_measured),
         "infeasible": list(trial.feasibility.problems),
-        "measured": None
-        if measured is None
-        else {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
+        "measured": measured
+        and {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
         "gait_parameters": None if trial.gait is None else dataclasses.asdict(trial.gait),
         "certainty": SEEN if _is_of_textbook(trial) else None,
         "coefficients": {name: value for name, value in environment.items() if name != "name"},
@@ -94,10 +91,8 @@ def figure_table(trial: Trial) -> str:
 def _measured(trial: Trial) -> dict[str, float]:
     """What the paper measured, by the names of the figures; its power is electrical."""
     measured = measured_counterpart(trial)
-    if measured is None:
-        return {}
     power = "mean_power" if trial.mean_power_kind == "electrical" else "electrical_power"
-    found = {"forward_velocity": measured.forward_velocity, power: measured.mean_power}
+    found = {} if measured is None else {"forward_velocity": measured.forward_velocity, power: measured.mean_power}
     return {name: value for name, value in found.items() if value is not None}
 
 

@@ -100,8 +100,7 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
         model: Any.
     """
     words = {
-        name: one.kind if isinstance(one, Unknown) else name_of(type(one)) if isinstance(one, JointLaw | Scene) else one
-        for name, one in vars(model).items()
+        name: name_of(type(one)) if isinstance(one, JointLaw | Scene) else one for name, one in vars(model).items()
     }
     return {"model": name_of(type(model)), **words}
 
