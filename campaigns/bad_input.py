@@ -9,8 +9,7 @@ shell.
 
 Last answer (seed 11): flags, paths, texts, lists, columns and tasks 0 faults of 100 each; seed 7: exports 0 of 8, and
 folders 0 of 8. What they found before is in the changelog. Calls of seeds 11 and 21 (cut off) found `Grid`, `Resumed`,
-`check_waves` and `from_frame`, which are mended, and three functions of `compiling`, as `for_python(range)`, which are
-not.
+`check_waves`, `from_frame` and functions of `compiling`, as `for_python(range)`, which are mended.
 """
 
 import argparse

@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.compiling import PROCESSOR, compiled, for_python, functions, inner, lane_types, lanes
+from laticauda.compiling import (
+    PROCESSOR,
+    compiled,
+    entry,
+    for_python,
+    functions,
+    in_turn,
+    inner,
+    kernel,
+    lane_types,
+    lanes,
+)
 
 WIDTH = 8
 rows_of = lane_types.rows_of(WIDTH)
@@ -133,3 +144,10 @@ def test_any_lane_sees_a_single_one():
     assert not by_lanes(some, x)(1).any()
     x[5] = 1.0
     assert by_lanes(some, x)(1).all()
+
+
+@pytest.mark.parametrize("take", [kernel, compiled, entry, for_python, in_turn])
+@pytest.mark.parametrize("what", [range, 3, None, "tanh"])
+def test_what_is_no_function_is_refused(take, what):
+    with pytest.raises(ValueError, match=f"`function` must be of class function, got {type(what).__name__}"):
+        take(what)

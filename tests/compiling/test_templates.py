@@ -32,12 +32,11 @@ print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0, model="spatial", joint
 
 
 ALIKE = """
-from numba import njit
 from laticauda.compiling import in_turn
-@njit(cache=True)
+@in_turn
 def double(x):
     return 2 * x
-assert in_turn(double)(21) == 42
+assert double(21) == 42
 print(sum(double.stats.cache_misses.values()))
 """
 

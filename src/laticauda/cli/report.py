@@ -111,8 +111,7 @@ def _notes(trial: Trial) -> str:
             "to 7 times too fast in it. What this robot's coefficients leave open: laticauda swim --interval."
         )
     by_reason: dict[str, list[str]] = {}
-    missing: Any = trial.summary()["not_available"]
-    for name, reason in missing.items():
+    for name, reason in trial.figures()[1].items():
         by_reason.setdefault(reason, []).append(name)
     for reason, names in by_reason.items():
         why = reason.replace("`time` must", "The run must")  # it is no argument of whoever reads this

@@ -21,6 +21,7 @@ from numba.core.errors import NumbaError
 from numba.extending import overload
 
 from laticauda import scalars
+from laticauda.arguments import explain
 from laticauda.compiling import functions, lanes, ready
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
@@ -63,7 +64,7 @@ class Target:
     """Functions that were made for it, by what they were made of."""
 
 
-def kernel(function: Callable[..., Any]) -> Any:
+def kernel(function: FunctionType) -> Any:
     """Decorator of inner functions: compiled into whatever calls them, and not to be called from Python.
 
     Args:
@@ -72,7 +73,7 @@ def kernel(function: Callable[..., Any]) -> Any:
     return _target.get().kernel(function)
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: FunctionType) -> Any:
     """Compile a plain scalar function together with the plain functions that it calls, for kernels.
 
     Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
@@ -99,13 +100,13 @@ def _compiled_inner(function: Callable[..., Any]) -> Any:
     return _target.get().formulas.get(function) or compiled(function)
 
 
-def for_python(function: Any) -> Any:
+def for_python(function: FunctionType) -> Any:
     """A function that only kernels call, as one that Python calls.
 
     Args:
-        function: As `compiled` returned it.
+        function: Plain, or as `compiled` returned it.
     """
-    return njit(**INLINED)(function.py_func)
+    return njit(**INLINED)(getattr(function, "py_func", function))
 
 
 def target() -> Target:
@@ -132,7 +133,7 @@ def _all_or_each(function: Any) -> Any:
     return call
 
 
-def entry(function: Callable[..., Any]) -> Any:
+def entry(function: FunctionType) -> Any:
     """Decorator of entry points: what Python calls.
 
     Args:
@@ -147,19 +148,19 @@ def _kept(function: Callable[..., Any]) -> Any:
     Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
     which is the end of the module's name, goes into that name.
     """
-    function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    compiled = njit(cache=True, nogil=True, **OPTIONS)(function)
-    if ready.FOLDER.is_dir():
-        cast(Any, compiled)._cache = ready.ReadyCache(function)
-    return in_turn(compiled)
+    function.__qualname__ += "_" + function.__module__.rpartition("_")[2]
+    return in_turn(cast(FunctionType, function))
 
 
-def in_turn(compiled: Any) -> Any:
+def in_turn(function: FunctionType) -> Any:
     """Make processes that need a function at the same time compile it once: one does, the others load what it kept.
 
     Args:
-        compiled: A function that Numba caches, as its decorator returned it.
+        function: Whose machine code is kept on disk.
     """
+    compiled: Any = njit(cache=True, nogil=True, **OPTIONS)(function)
+    if ready.FOLDER.is_dir():
+        compiled._cache = ready.ReadyCache(function)
     compile_now = compiled.compile
 
     def compile_or_load(signature: Any) -> Any:
@@ -173,7 +174,7 @@ def in_turn(compiled: Any) -> Any:
     return compiled
 
 
-def for_c(signature: Any, function: Callable[..., Any]) -> Any:
+def for_c(signature: Any, function: FunctionType) -> Any:
     """Compile a function that C calls, and keep the machine code on disk; processes do it in turn, as `in_turn` says.
 
     Args:
@@ -256,3 +257,6 @@ def globals_of(code: CodeType) -> list[str]:
     own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
     inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in globals_of(c)]
     return list(dict.fromkeys([*own, *inner]))
+
+
+explain(globals())
