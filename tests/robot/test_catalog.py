@@ -116,7 +116,7 @@ def test_the_chain_is_neutrally_buoyant_and_of_any_length():
         (
             load_robot,
             "manba",
-            r"there is no robot preset named `manba`; did you mean `mamba`\? \(presets: amphibot, chain, mamba,",
+            r"there is no robot preset named `manba`; did you mean `mamba`\? \(robots: amphibot, chain, mamba,",
         ),
         (load_robot, "", r"there is no robot preset named ``"),
         (load_robot, "manba.toml", r"manba\.toml: no such file; did you mean `mamba`\?"),
@@ -125,7 +125,7 @@ def test_the_chain_is_neutrally_buoyant_and_of_any_length():
         (
             load_ground,
             "mud",
-            r"there is no ground preset named `mud` \(presets: coulomb, viscous; a path ends in \.toml\)",
+            r"there is no ground preset named `mud` \(grounds: coulomb, viscous; a path ends in \.toml\)",
         ),
     ],
 )

@@ -121,7 +121,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
         raise RobotNotFound(
             f"there is no {kind} preset named `{given}`{nearest(given, names)} "
-            f"(presets: {', '.join(names)}; a path ends in {ending})"
+            f"({FOLDERS[kind]}: {', '.join(names)}; a path ends in {ending})"
         )
     path = folder / given if folder is not None else Path(given)
     try:
@@ -129,7 +129,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     except (OSError, ValueError):  # an over-long name, a null byte: reading it tells
         there = True
     if not there:
-        raise RobotNotFound(f"{path}: no such file{nearest(path.stem, names)} (presets: {', '.join(names)})")
+        raise RobotNotFound(f"{path}: no such file{nearest(path.stem, names)} ({FOLDERS[kind]}: {', '.join(names)})")
     return path
 
 
