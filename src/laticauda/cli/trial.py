@@ -65,10 +65,9 @@ class View(Filming):
             from laticauda.pictures.replay import show
 
             show(trial, speed=self.speed)
-        return command.Outcome(
-            facts={"file": self.file, "video": self.video, "still": self.still},
-            text=f"{self.video or self.still or self.file}: {trial.duration:g} s shown",
-        )
+        when = "the end" if self.time is None else f"{self.time:g} s"
+        text = f"{self.still}: at {when}" if self.still else f"{self.video or self.file}: {trial.duration:g} s shown"
+        return command.Outcome(facts={"file": self.file, "video": self.video, "still": self.still}, text=text)
 
 
 @value

@@ -112,16 +112,15 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     """
     if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
-    names = preset_names(kind)
-    given = str(name_or_path)
+    names, given = preset_names(kind), str(name_or_path)
+    listed = f"{FOLDERS[kind]}: {', '.join(names)}"
     ending = ".csv" if kind == "motion" else ".toml"
     is_path = isinstance(name_or_path, Path) or given.endswith(ending) or "/" in given or sep in given
     if not is_path:
         if given in names:
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
         raise RobotNotFound(
-            f"there is no {kind} preset named `{given}`{nearest(given, names)} "
-            f"({FOLDERS[kind]}: {', '.join(names)}; a path ends in {ending})"
+            f"there is no {kind} preset named `{given}`{nearest(given, names)} ({listed}; a path ends in {ending})"
         )
     path = folder / given if folder is not None else Path(given)
     try:
@@ -129,7 +128,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     except (OSError, ValueError):  # an over-long name, a null byte: reading it tells
         there = True
     if not there:
-        raise RobotNotFound(f"{path}: no such file{nearest(path.stem, names)} ({FOLDERS[kind]}: {', '.join(names)})")
+        raise RobotNotFound(f"{path if folder else given}: no such file{nearest(path.stem, names)} ({listed})")
     return path
 
 
