@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from laticauda.cli.command import SHARE, Command, Outcome, progress
-from laticauda.cli.flags import BadFlag, File, Folder, Inputs, Words, flag, options_of, was_typed
+from laticauda.cli.flags import BadFlag, File, Files, Folder, Inputs, Words, flag, options_of, was_typed
 from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
 from laticauda.errors import BadArgument, one_of
@@ -82,7 +82,7 @@ class Identify(Command):
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How it is fitted", default=Method())
-    laws: Words = option("Parameter files as for --base, each fitted, beside null models", default=())
+    laws: Files = option("Parameter files as for --base, each fitted, beside null models", default=())
     name: str | None = option("Name of the parameter file; the task file's, or identified, if left out", default=None)
     output: Folder = option("Folder; made if need be, files of the same names are replaced", default="identification")
     words: Any = option("What was typed, for the report", default=())

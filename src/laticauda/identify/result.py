@@ -353,20 +353,20 @@ def _estimate(
     unknown, value = problem.unknowns[k], float(values[k])
     share, alone = (wider * float(seen.sigma[k]) for seen in (by_all, by_data))
     x, deviation = unknown.x(value), share * unknown.size
+    identified = share < by_all.limit
     parameter, notes = unknown.parameter, list[str]()
     if unknown.name in by_data.without_effect:
         notes.append("has no effect on what was measured")
     elif alone >= by_data.limit:
         its_own = [direction for direction in by_data.directions if abs(direction.weights[k]) > 0.1]
         worst = max(its_own, key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, 1e9))
-        notes.append(f"not identifiable: the data do not see {worst.name}")
+        notes.append(f"{'' if identified else 'not identifiable: '}the data do not see {worst.name}")
     if unknown.prior is not None and share**2 > 0.5 * (unknown.prior[1] / unknown.slope(value) / unknown.size) ** 2:
         notes.append("known from the prior rather than from the data")
     reach = _AT_END * (1.0 if unknown.is_log else unknown.size)
     for end, word in ((unknown.lower, "lower"), (unknown.upper, "upper")):
         if math.isfinite(end) and abs(unknown.x(end) - x) <= reach:
             notes.append(f"at the {word} end of its range")
-    identified = share < by_all.limit
     low, high = (unknown.value(x + sign * quantile * deviation) if identified else 0.0 for sign in (-1.0, 1.0))
     return ParameterEstimate(
         name=unknown.name,
