@@ -179,7 +179,7 @@ class NetCdfFile(trial.Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
         no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
-        dataset = dataset.copy()  # in the file, time is a date, as the conventions CF have it
+        dataset = dataset.rename_dims(axis="axes")  # by the conventions CF a text names no dimension, and time is a date
         zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
         dataset["time"].attrs |= {"standard_name": "time", "units": f"seconds since {str(zero).replace('T', ' ')}"}
         try:
@@ -220,7 +220,9 @@ def _decoded(content: bytes) -> "xarray.Dataset":
 
     # From memory: what the file system has to say was said when the bytes were read.
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
-        return xarray.open_dataset(NetCDF4DataStore(file), decode_cf=False).load()
+        store = NetCDF4DataStore(file)
+        found = xarray.open_dataset(store, decode_times=False, mask_and_scale=False, concat_characters=False).load()
+    return found.swap_dims(axes="axis") if "axes" in found.dims else found
 
 
 TEXT = "laticauda_trial"
