@@ -4,7 +4,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import pytest
@@ -28,6 +28,7 @@ from laticauda.arguments import explained, misfit
             [lc.Start()],
         ),
         (dict[str, float], [{}], [[]]),
+        (TypeVar("Either", int, str), [1, "x"], [1.5, None]),
         (Any, [None, 3], []),
     ],
 )

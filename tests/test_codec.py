@@ -167,7 +167,7 @@ def test_a_kind_can_be_said_in_several_ways(table, spring):
 def test_what_is_wrong_is_said_of_its_key(table, key, rule):
     with pytest.raises(BadKey) as caught:
         decode(Machine, {"name": "m", **table})
-    assert (caught.value.key, caught.value.rule) == (key, rule)
+    assert (caught.value.name, caught.value.rule) == (key, rule)
 
 
 def test_a_missing_key_and_the_file_are_named():

@@ -44,7 +44,7 @@ def explain(module: dict[str, Any]) -> None:
     """
     name = module["__name__"]
     for word, thing in list(module.items()):
-        if not word.startswith("_") and getattr(thing, "__module__", "") == name:
+        if not word.startswith("_") and getattr(thing, "__module__", "").startswith(name):
             module[word] = explained(thing, name)
 
 
@@ -97,7 +97,9 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
         value: What was given.
         hint: What it is annotated with.
     """
-    hint = getattr(hint, "__bound__", None) or hint  # of a TypeVar
+    among: tuple[Any, ...] = getattr(hint, "__constraints__", ()) or (hint,)  # what a TypeVar stands for
+    any_of: Any = functools.reduce(lambda one, other: one | other, among)
+    hint = getattr(hint, "__bound__", None) or any_of
     kind, inner = get_origin(hint) or hint, get_args(hint)
     if kind in (typing.Union, types.UnionType):
         is_right = any(misfit(name, value, one) is None for one in inner)

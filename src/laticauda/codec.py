@@ -37,12 +37,8 @@ OLDER: Mapping[str, dict[str, str]] = tomllib.loads(Path(__file__).with_suffix("
 MOST_COUNTED = 1000  # a slip of the finger must not fill the memory
 
 
-class BadKey(Exception):
-    """A key of a file that breaks a rule; the reader of the file says which file."""
-
-    def __init__(self, key: str, rule: str) -> None:
-        super().__init__(key, rule)
-        self.key, self.rule = key, rule
+class BadKey(BadArgument):
+    """A key of a file that breaks a rule, named from the top of the file; the reader of the file says which file."""
 
 
 @contextmanager
@@ -56,7 +52,7 @@ def keys_of(file: object, error: type[Exception]) -> Generator[None]:
     try:
         yield
     except BadKey as bad:
-        key = f"key `{bad.key}`: " if bad.key else ""
+        key = f"key `{bad.name}`: " if bad.name else ""
         raise error(f"{file}: {key}{bad.rule}") from None
 
 
@@ -176,6 +172,8 @@ def arguments_of(at: str) -> Generator[None]:
     """
     try:
         yield
+    except BadKey:
+        raise
     except ValueError as error:
         if not isinstance(error, BadArgument):
             raise BadKey(at, str(error)) from error

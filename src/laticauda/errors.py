@@ -214,12 +214,9 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     Raises:
         ValueError: If it is not; the message lists the choices and suggests the nearest.
     """
-    if isinstance(value, str):
-        if value in choices:
-            return value
-        hint = nearest(value, choices)
-    else:
-        hint = ""
+    if isinstance(value, str) and value in choices:
+        return value
+    hint = nearest(value, choices) if isinstance(value, str) else ""
     listed = ", ".join(f"`{choice}`" for choice in choices)
     raise BadArgument(name, f"must be one of {listed}, got {shown(value)}{hint}")
 

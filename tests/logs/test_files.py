@@ -85,7 +85,9 @@ def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
             assert variable.attrs["long_name"], name
 
 
-def test_the_dataset_in_memory_is_the_one_in_the_file_where_time_is_a_date_and_no_text_names_a_dimension(make_trial, full_trial, path):
+def test_the_dataset_in_memory_is_the_one_in_the_file_but_for_dates_and_the_dimension_of_texts(
+    make_trial, full_trial, path
+):
     for trial in (make_trial(), full_trial):
         trial.save(path)
         with xarray.open_dataset(path, decode_times=False) as data:

@@ -28,7 +28,7 @@ FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
 
 
-def _degrees(*angles: float) -> tuple[float, ...]:
+def _deg(*angles: float) -> tuple[float, ...]:
     return tuple(map(math.radians, angles))
 
 
@@ -50,16 +50,14 @@ class Candidates:
     """Trials that could be done: every combination, and straight ones."""
 
     gait: Literal["lateral-undulation", "eel-like", "both"] = option("Kinds of gait", default="lateral-undulation")
-    amplitudes: tuple[float, ...] = quantity(
-        "rad", "Amplitudes alpha", ge=0.0, le=math.pi, default=_degrees(20, 30, 40)
-    )
-    frequencies: tuple[float, ...] = quantity("rad/s", "Frequencies omega", ge=0.0, default=_degrees(70, 110, 150))
+    amplitudes: tuple[float, ...] = quantity("rad", "Amplitudes alpha", ge=0.0, le=math.pi, default=_deg(20, 30, 40))
+    frequencies: tuple[float, ...] = quantity("rad/s", "Frequencies omega", ge=0.0, le=1e3, default=_deg(70, 110, 150))
     phase_shifts: tuple[float, ...] = quantity(
-        "rad", "Phase shifts delta", ge=-math.pi, le=math.pi, default=_degrees(30, 50)
+        "rad", "Phase shifts delta", ge=-math.pi, le=math.pi, default=_deg(30, 50)
     )
     sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
     tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot", gt=0.0, default=(0.1, 0.4))
-    tow_angles: tuple[float, ...] = quantity("rad", "Angles between robot and tow; 0: along", default=_degrees(0, 15))
+    tow_angles: tuple[float, ...] = quantity("rad", "Angles between robot and tow; 0: along", default=_deg(0, 15))
     coast_down: tuple[float, ...] = quantity("m/s", "Speeds at which it is let go", gt=0.0, le=100.0, default=(0.4,))
     no_tow: bool = option("Neither tows nor coast-downs", default=False)
     no_swims: bool = option("No trials that swim", default=False)

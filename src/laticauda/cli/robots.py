@@ -41,7 +41,8 @@ class Robots(command.Command):
         if self.name is None:
             if self.toml:
                 raise BadArgument("toml", "must be given with the NAME of what to print")
-            return command.Outcome(facts=_all(), text="" if self.json else _lists())
+            every = {kind: list(names()) for kind, (names, _) in KINDS.items()} | {"robots": _summaries()}
+            return command.Outcome(facts=every, text="" if self.json else _lists())
         thing = _named(self.name)
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
         facts = robot.summary(thing) if isinstance(thing, Robot) else {}
@@ -60,10 +61,6 @@ def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
         is_parameters = files.read_table(Path(name)).get("kind") == parameters.KIND
         return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
     return robot.load_robot(one_of("name", name, [one for names, _ in KINDS.values() for one in names()]))
-
-
-def _all() -> dict[str, Any]:
-    return {**{kind: list(names()) for kind, (names, _) in KINDS.items()}, "robots": _summaries()}
 
 
 def _lists() -> str:

@@ -185,7 +185,7 @@ def current(words: Sequence[str]) -> Flow:
         pairs = [numbers("current", word, CHANGES) for word in changes]
         return codec.updated(flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs})
     except codec.BadKey as bad:
-        raise BadFlag(f"--current {name}: {BadArgument(bad.key, bad.rule)}") from None
+        raise BadFlag(f"--current {name}: {bad}") from None
     except BadArgument as error:
         raise BadFlag(f"--current {error.rule}.") from None
     except LaticaudaError as error:

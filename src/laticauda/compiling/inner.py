@@ -9,7 +9,7 @@ A door to Numba's compiler, with `laticauda.compiling.lanes`.
 
 # pyright: basic
 
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import Any
 
 from numba import njit
@@ -40,7 +40,7 @@ class _Compiler(Compiler):
         return super().define_pipelines()
 
 
-def inlined(function: Any, **options: Any) -> Any:
+def inlined(function: FunctionType, **options: Any) -> Any:
     """Decorator of a function that is compiled into whatever calls it, and not to be called from Python.
 
     Args:

@@ -232,8 +232,6 @@ class Session:
                 if "id" in message:
                     tag["id"] = message["id"]
                 return self._written({**tag, **self._answer(message)})
-            except codec.BadKey as bad:
-                return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
             except (ValueError, LaticaudaError) as error:
                 return messages.write_message({**tag, "error": str(error)})
             except Exception as error:  # one request that we cannot make sense of must not end the others

@@ -130,4 +130,4 @@ def fault_from_words(text: str, now: float) -> Fault:
     try:
         return codec.decode(Fault, {**entry, "kind": words[0]})
     except codec.BadKey as error:
-        raise BadArgument(error.key, error.rule) from None
+        raise BadArgument(error.name, error.rule) from None

@@ -12,6 +12,8 @@ import hashlib
 import io
 import itertools
 import json
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -179,7 +181,8 @@ class NetCdfFile(trial.Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
         no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
-        dataset = dataset.rename_dims(axis="axes")  # by the conventions CF a text names no dimension, and time is a date
+        # By the conventions CF no text names a dimension, and time is a date.
+        dataset = dataset.rename_dims(axis="axes")
         zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
         dataset["time"].attrs |= {"standard_name": "time", "units": f"seconds since {str(zero).replace('T', ' ')}"}
         try:
@@ -220,8 +223,7 @@ def _decoded(content: bytes) -> "xarray.Dataset":
 
     # From memory: what the file system has to say was said when the bytes were read.
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
-        store = NetCDF4DataStore(file)
-        found = xarray.open_dataset(store, decode_times=False, mask_and_scale=False, concat_characters=False).load()
+        found = xarray.open_dataset(NetCDF4DataStore(file), decode_times=False, mask_and_scale=False).load()
     return found.swap_dims(axes="axis") if "axes" in found.dims else found
 
 
@@ -288,15 +290,24 @@ def mat_columns(path: Path) -> dict[str, Samples]:
     return found
 
 
+# Bytes that make no sense may crash scipy, and do so in a process of its own; plain arrays come back.
+_READER = """
+import io, sys, numpy, scipy.io
+found = scipy.io.loadmat(io.BytesIO(sys.stdin.buffer.read()))
+kept = {f"_{name}": one for name, one in found.items() if isinstance(one, numpy.ndarray) and one.dtype.kind in "iufU"}
+numpy.savez(sys.stdout.buffer, **kept)
+"""
+
+
 def _content(path: Path) -> dict[str, Any]:
-    library = _scipy()
-    content = files.read_bytes(path)
-    try:
-        return library.loadmat(io.BytesIO(content))
-    except NotImplementedError as error:
-        raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.") from error
-    except Exception as error:  # scipy raises anything at bytes that make no sense
-        raise ValueError("it is no .mat file, or it is damaged.") from error
+    _scipy()
+    words = [sys.executable, "-P", "-c", _READER]
+    done = subprocess.run(words, input=files.read_bytes(path), capture_output=True, check=False)
+    if b"NotImplementedError" in done.stderr:
+        raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.")
+    if done.returncode:
+        raise ValueError("it is no .mat file, or it is damaged.")
+    return {name[1:]: one for name, one in np.load(io.BytesIO(done.stdout)).items()}
 
 
 def _scipy() -> Any:

@@ -13,7 +13,6 @@ import signal
 import sys
 import threading
 from collections import deque
-from types import FrameType
 from typing import Any, Self, TextIO
 
 import numpy as np
@@ -52,14 +51,11 @@ class Keys:
         """
         self._pressed.setdefault(EMERGENCY if STOP in self._pressed else STOP, how)
 
-    def _signalled(self, number: int, frame: FrameType | None) -> None:
-        self.stop(f"by {signal.Signals(number).name}")
-
     def __enter__(self) -> Self:
         """Take the signals; only the main thread of a program can."""
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._signalled)
+                self._before[number] = signal.signal(number, lambda n, _: self.stop(f"by {signal.Signals(n).name}"))
         return self
 
     def __exit__(self, *_: object) -> None:

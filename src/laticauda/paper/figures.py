@@ -120,7 +120,7 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
         ylabels: Of `SHOWN`: those of the rows.
     """
     height = PANEL_HEIGHT * (1.0 + 0.7 * (len(ylabels) - 1))
-    figure = style.new_figure(style.DOUBLE_COLUMN, height + _frame(panels))
+    figure = style.new_figure(style.DOUBLE_COLUMN, height + HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2))
     grid = figure.subplots(len(ylabels), len(panels), sharex="col", sharey="row", squeeze=False)
     rows: list[list[Axes]] = [[*row] for row in grid]
     for ylabel, row in zip(ylabels, rows, strict=True):
@@ -206,11 +206,6 @@ def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
         handles.append(Line2D([], [], label="repeated trials, beside their setting", **TRIAL))
         handles.append(_mean_handle())
     return handles
-
-
-def _frame(panels: Sequence[Panel]) -> float:
-    """Height of what is around the panels [in]."""
-    return HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2)
 
 
 # ---- speeds of path following ---------------------------------------------------------------------------------------

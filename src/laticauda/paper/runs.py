@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
+from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack, get_args
 
 import numpy as np
 
 import laticauda as lc
 from laticauda import gaits, packaging
-from laticauda.errors import SimulationFailed
+from laticauda.errors import SimulationFailed, instance
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import plant
@@ -184,6 +184,7 @@ class Study(Generic[Settings]):
             SimulationFailed: If a run blows up; the message says which.
         """
         chosen: Any = cls.usual() if settings is None else settings
+        instance("settings", chosen, *get_args(cls.__dict__["__orig_bases__"][0]))
         return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
 
     @classmethod

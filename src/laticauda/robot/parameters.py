@@ -117,7 +117,7 @@ def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
     try:
         read = read_adjustments(changes, name)
     except codec.BadKey as error:
-        raise BadArgument(error.key, error.rule) from None
+        raise BadArgument(error.name, error.rule) from None
     return {table: values for table, values in read.items() if values}
 
 

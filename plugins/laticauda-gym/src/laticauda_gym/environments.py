@@ -61,7 +61,7 @@ def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
     try:
         return codec.decode(kind, fields)
     except codec.BadKey as bad:
-        raise BadArgument(bad.key, bad.rule) from None
+        raise BadArgument(bad.name, bad.rule) from None
 
 
 def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
