@@ -97,8 +97,8 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
         value: What was given.
         hint: What it is annotated with.
     """
-    among: tuple[Any, ...] = getattr(hint, "__constraints__", ()) or (hint,)  # what a TypeVar stands for
-    any_of: Any = functools.reduce(lambda one, other: one | other, among)
+    # What a TypeVar stands for.
+    any_of: Any = functools.reduce(lambda one, other: one | other, getattr(hint, "__constraints__", ()) or (hint,))
     hint = getattr(hint, "__bound__", None) or any_of
     kind, inner = get_origin(hint) or hint, get_args(hint)
     if kind in (typing.Union, types.UnionType):

@@ -86,3 +86,9 @@ def test_a_key_that_names_no_number_is_told_with_the_file(tmp_path):
         RobotFileError, match=r"task\.toml: key `parameters`: must name numbers of .*'water.normal_dragg'"
     ):
         load_task(path).run(threads=1)
+    unknown = '{name = "water.tangential_friction", start = 0.15, lower = -1, upper = 0.5}'
+    path.write_text(f'kind = "identification"\nparameters = [{unknown}]\n[table1]\nsigma = 0.05\n')
+    with pytest.raises(RobotFileError, match=r"task\.toml: key `lower` of `water.tangential_friction`: must be in its"):
+        load_task(path).run(threads=1)
+    with pytest.raises(ValueError, match=r"^`threads` must be"):
+        load_task(path).run(threads=0)

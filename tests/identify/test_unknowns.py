@@ -53,7 +53,7 @@ def test_bad_unknowns_are_refused_by_name(fields, words):
 
 
 def test_ends_that_the_field_does_not_allow_are_refused():
-    rule = r"`lower` of `water.normal_drag` must be in the range of the field, got -1: .*>= 0"
+    rule = r"`lower` of `water.normal_drag` must be in its range, got -1: .*>= 0"
     with pytest.raises(ValueError, match=rule):
         resolved(Unknown(name=DRAG, lower=-1.0, scale="linear"))
     with pytest.raises(ValueError, match=r"`start` of `robot.tether.drag` must be > 0 on a log scale, got 0"):

@@ -162,6 +162,25 @@ def test_pandas_reads_the_columns_of_a_parquet_file_and_their_units(full_trial, 
     assert table.schema.field("joint_torque_0").metadata == {b"unit": b"N m"}
 
 
+@pytest.mark.parametrize("place", [232, 320])
+def test_a_mat_file_that_crashes_its_library_is_refused(tmp_path, place):
+    scipy = pytest.importorskip("scipy.io")
+    path = tmp_path / "run.mat"
+    scipy.savemat(path, {"units": {"time": "s", "angle": "rad"}})
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1 if place == 232 else 1 << 7
+    path.write_bytes(content)
+    with pytest.raises(TrialFileError, match=r"run\.mat: it is no \.mat file, or it is damaged"):
+        load_trial(path)
+
+
+def test_a_mat_file_that_keeps_its_library_for_ever_is_refused(full_trial, tmp_path, monkeypatch):
+    full_trial.save(tmp_path / "run.mat")
+    monkeypatch.setattr("laticauda.logs.tabular._PATIENCE", 0.001)
+    with pytest.raises(TrialFileError, match=r"run\.mat: it is damaged: nobody can read it in 0\.001 s"):
+        load_trial(tmp_path / "run.mat")
+
+
 @pytest.mark.skipif(shutil.which("octave-cli") is None, reason="GNU Octave is not installed")
 def test_octave_reads_a_mat_file(full_trial, tmp_path):
     pytest.importorskip("scipy")

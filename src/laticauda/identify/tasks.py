@@ -175,7 +175,7 @@ class Task:
         try:
             return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
         except BadArgument as error:
-            if error.name != "parameters" or not self.sources:
+            if error.name == "threads" or not self.sources:  # all else stands in the file
                 raise
             raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
 

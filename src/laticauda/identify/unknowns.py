@@ -219,7 +219,7 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
     refusal = partial(_refusal, name, scenario, unknown.tied)
     for end, at in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
         if at is not None and (why := refusal(at)):
-            raise ValueError(f"`{end}` of `{unknown.name}` must be in the range of the field, got {at:g}: {why}")
+            raise BadArgument(f"{end}` of `{unknown.name}", f"must be in its range, got {at:g}: {why.rstrip('.')}")
     may_be_less = name in NUISANCE or not refusal(-1e-9 * max(1.0, abs(start)))
     positive_only = start > 0.0 and not may_be_less and unknown.lower != 0.0
     is_log = unknown.scale == "log" if unknown.scale else positive_only

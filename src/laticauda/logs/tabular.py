@@ -290,7 +290,8 @@ def mat_columns(path: Path) -> dict[str, Samples]:
     return found
 
 
-# Bytes that make no sense may crash scipy, and do so in a process of its own; plain arrays come back.
+# Bytes that make no sense may crash scipy or keep it for ever, in a process of its own; plain arrays come back.
+_PATIENCE = 60.0
 _READER = """
 import io, sys, numpy, scipy.io
 found = scipy.io.loadmat(io.BytesIO(sys.stdin.buffer.read()))
@@ -302,7 +303,11 @@ numpy.savez(sys.stdout.buffer, **kept)
 def _content(path: Path) -> dict[str, Any]:
     _scipy()
     words = [sys.executable, "-P", "-c", _READER]
-    done = subprocess.run(words, input=files.read_bytes(path), capture_output=True, check=False)
+    content = files.read_bytes(path)
+    try:
+        done = subprocess.run(words, input=content, capture_output=True, check=False, timeout=_PATIENCE)
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"it is damaged: nobody can read it in {_PATIENCE:g} s.") from None
     if b"NotImplementedError" in done.stderr:
         raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.")
     if done.returncode:
