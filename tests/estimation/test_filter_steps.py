@@ -56,7 +56,7 @@ def started(estimator: Estimator = USUAL, angle: float | np.ndarray = 0.0) -> Es
 def test_the_settings_are_what_the_documentation_says_of_them():
     assert (USUAL.swim_speed, USUAL.swim_speed_std, USUAL.plant, USUAL.coupling) == (None, 0.01, None, 1.0)
     assert (USUAL.backlash, USUAL.gate, USUAL.largest_residual) == (0.0, 5.0, 0.005)
-    assert (USUAL.patience, USUAL.horizon) == (10, 0.1)
+    assert (USUAL.patience, USUAL.joint_patience, USUAL.horizon) == (10, 3, 0.1)
     model = replace(USUAL, swim_speed=0.2, swim_speed_std=0.03, mount=Mount(module=2)).model
     assert (model.swim_speed, model.swim_speed_std, model.link, model.has_twin) == (0.2, 0.03, 2, False)
     beside = replace(USUAL, mount=Mount(module=2)).twin_model
@@ -205,7 +205,7 @@ def test_a_joint_at_the_gate_is_taken_in_and_beyond_it_rejected_and_counted():
 
 
 def test_a_joint_is_believed_when_it_insists_as_often_as_patience_says_and_silence_neither_counts_nor_forgets():
-    estimator = replace(USUAL, patience=3)
+    estimator = replace(USUAL, joint_patience=3)
     state, off = started(estimator), np.zeros(8)
     off[2] = 0.8
     silent, back = off.copy(), np.zeros(8)

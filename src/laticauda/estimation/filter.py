@@ -47,7 +47,8 @@ class Estimator(StateEstimator):
     backlash: float = quantity("rad", "play between a joint and its sensor, in all", ge=0.0, default=0.0)
     gate: float = quantity("", "standard deviations beyond which a measurement is rejected", gt=0.0, default=5.0)
     largest_residual: float = quantity("m", "of the markers of an accepted frame", gt=0.0, default=0.005)
-    patience: int = quantity("", "rejections in a row after which the filter must be wrong", ge=1, default=10)
+    patience: int = quantity("", "frames rejected in a row after which the filter must be wrong", ge=1, default=10)
+    joint_patience: int = quantity("", "the same for a joint: stalled servos break away", ge=1, default=3)
     horizon: float = quantity("s", "how late a sample may come", ge=0.0, default=0.1)
 
     def __post_init__(self) -> None:
@@ -182,9 +183,8 @@ class Estimator(StateEstimator):
         if not math.isfinite(dt):
             return replace(state, time=time)
         width = self.model.reference_bandwidth
-        # The filter's formula holds for arrays too.
-        lag: Any = filter_step
-        lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, math.exp(-width * dt), dt)
+        decay, lag = math.exp(-width * dt), cast(Any, filter_step)  # whose formula holds for arrays too
+        lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, decay, dt)
         runs = state.posterior is not None or state.twin is not None
         n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if runs else 0
         for _ in range(n_steps):
@@ -238,15 +238,14 @@ class Estimator(StateEstimator):
         spread = np.sqrt(posterior.covariance[places, places] + self.noise.joint**2)
         rejected = reported & (np.abs(residual) > self.gate * spread)
         n_rejected = np.where(rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected))
-        insists = n_rejected >= self.patience
+        insists = n_rejected >= self.joint_patience
         if insists.any():  # they are accepted: the filter starts anew with them
             at = places[insists]
             posterior = posterior.restarted(at, posterior.mean[at] + residual[insists], self.noise.joint**2)
             posterior = posterior.restarted(at + 1, 0.0, 1.0)
         use = reported & ~rejected
         if use.any():
-            rows = np.zeros((int(use.sum()), posterior.mean.size))
-            rows[np.arange(rows.shape[0]), places[use]] = 1.0
+            rows = np.eye(posterior.mean.size)[places[use]]
             posterior = posterior.update(residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0]))
         return replace(state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected))
 
