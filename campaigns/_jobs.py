@@ -87,6 +87,7 @@ WRITERS: dict[str, Job] = {
     "lab": Job(words="lab --duration 1 --port 0 --save out/run.nc", files=("run.nc",)),
     "operate": Job(words="operate operation.toml --no-dashboard --output out", files=("run.nc",), is_cut=True),
     "replay": Job(words="replay run.mcap --save out/run.nc", files=("run.nc",)),
+    "trial plot": Job(words="trial plot run.nc run-0.nc --output out/plot.svg", files=("plot.svg",)),
     **{f"trial convert, {ending}": _converted(ending) for ending in ("nc", "csv", "mat", "mcap", "parquet")},
 }
 """The commands that write, in every way in which they do."""
