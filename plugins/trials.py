@@ -8,7 +8,14 @@ from laticauda.operate.session import operate
 from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation
 
 # A computer that is busy with other tests is late; that is not what is tested here.
-PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
+PATIENT = Limits(
+    straighten_time=1.0,
+    joint_error_time=15.0,
+    max_lateness=5.0,
+    joint_timeout=15.0,
+    heartbeat_timeout=15.0,
+    mocap_timeout=15.0,
+)
 
 
 def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):

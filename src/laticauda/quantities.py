@@ -250,7 +250,7 @@ def degrees_of(kind: type) -> Mapping[str, str]:
 @functools.cache
 def texts_of(kind: type) -> Mapping[str, str]:
     """What every field of a class is; "" where nothing is declared. A stand-in for an unknown class has none."""
-    fields = vars(kind).get("__dataclass_fields__", {}).values()
+    fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
     return types.MappingProxyType({f.name: f.metadata.get("text", "") for f in fields})
 
 

@@ -253,7 +253,11 @@ def _text_of(code: CodeType) -> list[str]:
 
 @cache
 def globals_of(code: CodeType) -> list[str]:
-    """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them."""
+    """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them.
+
+    Args:
+        code: Of a function.
+    """
     own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
     inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in globals_of(c)]
     return list(dict.fromkeys([*own, *inner]))
