@@ -313,7 +313,7 @@ def encode(value: Any, hint: Any = None) -> Any:
         )
         return {**({"kind": name_of(thing.__class__)} if has_kind else {}), **_table(thing)}
     if isinstance(value, Unknown):
-        return {"kind": value.kind, **value.table}
+        return value.written
     if isinstance(value, Mapping):
         return {key: encode(one) for key, one in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, tuple | list):

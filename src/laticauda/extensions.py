@@ -113,6 +113,11 @@ class Unknown:
         raise ValueError(f"`{self.kind}` is not known here: nobody has defined it; import the module that does.")
 
     @property
+    def written(self) -> dict[str, Any]:
+        """As the file had it."""
+        return {"kind": self.kind, **self.table}
+
+    @property
     def formula(self) -> Any:
         """Refuse likewise."""
         return self()

@@ -170,7 +170,7 @@ def plain(content: Any) -> Any:
     if isinstance(content, Mapping):
         return {key: plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
     if isinstance(content, Unknown):
-        return {"kind": content.kind, **plain(content.table)}
+        return plain(content.written)
     if isinstance(content, list | tuple):
         return [plain(one) for one in cast("list[Any]", content)]
     return None if isinstance(content, float) and not math.isfinite(content) else content

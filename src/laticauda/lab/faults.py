@@ -127,7 +127,4 @@ def fault_from_words(text: str, now: float) -> Fault:
             entry[key] = int(value) if key == "node" else float(value)
         except ValueError:
             raise BadArgument(key, f"must be a number, got {value!r}") from None
-    try:
-        return codec.decode(Fault, {**entry, "kind": words[0]})
-    except codec.BadKey as error:
-        raise BadArgument(error.name, error.rule) from None
+    return codec.decode(Fault, {**entry, "kind": words[0]})

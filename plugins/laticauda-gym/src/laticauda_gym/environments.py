@@ -58,10 +58,7 @@ def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
         if "scenario" in fields:
             raise BadArgument("scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}")
         fields["scenario"] = swimmer(**{name: one for name, one in settings.items() if name in OF_SCENARIO})
-    try:
-        return codec.decode(kind, fields)
-    except codec.BadKey as bad:
-        raise BadArgument(bad.name, bad.rule) from None
+    return codec.decode(kind, fields)
 
 
 def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
