@@ -229,9 +229,15 @@ def test_two_threads_may_ask_one_plant_for_its_forces():
             np.testing.assert_array_equal(one, other)
 
 
+def test_a_robot_may_be_given_by_its_name():
+    named, given = (lc.swim_many(robot, GAIT, 3.0) for robot in ("mamba", MAMBA))
+    assert named.forward_velocity == given.forward_velocity
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        ({"robots": "mamab"}, "there is no robot preset named `mamab` (robots: "),
         ({"gaits": []}, "`gaits` must hold at least one item, got none."),
         (
             {"robots": [MAMBA] * 3, "gaits": [GAIT] * 2},

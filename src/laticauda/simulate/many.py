@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, Unpack, cast
 
 import numpy as np
@@ -13,7 +14,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar.batch import Block, Device, Run, march_many
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.robot import Environment, Ground, Robot, Water, load_robot
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
 from laticauda.simulate import batch_figures, runner
 from laticauda.simulate.batch_figures import Figure
@@ -83,7 +84,7 @@ class Swims:
 
 
 def swim_many(
-    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
     gaits: Gait | Sequence[Gait] | None = None,
     duration: float = 30.0,
     *,
@@ -105,7 +106,7 @@ def swim_many(
 
     Args:
         robots: The scenarios, all planar or all spatial; planar ones have no controllers, and are of one duration and
-            sample interval. Or what swims, with their gaits.
+            sample interval. Or what swims, with their gaits; one robot may be a preset's name or a file's path.
         gaits: What the joints are asked for.
         duration: Of every trial [s].
         environments: Waters or grounds; None takes `default_water` of each robot and gait.
@@ -128,7 +129,7 @@ def swim_many(
     Example:
         >>> import laticauda as lc
         >>> gaits = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7) for a in (0.4, 0.5, 0.6)]
-        >>> lc.swim_many(lc.load_robot("mamba"), gaits).forward_velocity.round(3)
+        >>> lc.swim_many("mamba", gaits).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
     """
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
@@ -160,7 +161,7 @@ def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Pr
 
 
 def batch_of(
-    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
     gaits: Gait | Sequence[Gait] | None,
     environments: Environment | Sequence[Environment] | None = None,
     starts: Start | Sequence[Start] | None = None,
@@ -169,11 +170,12 @@ def batch_of(
     **changes: Unpack[ModelChanges],
 ) -> Sequence[Scenario]:
     """The scenarios of a batch; arguments as for `swim_many`."""
+    swimming = load_robot(robots) if isinstance(robots, str | Path) else robots
     if gaits is None:
-        return _each("robots", cast("Sequence[Scenario]", instance("robots", robots, Sequence)), 0, Scenario)
-    given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
+        return _each("robots", cast("Sequence[Scenario]", instance("robots", swimming, Sequence)), 0, Scenario)
+    given = {"robots": swimming, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)
-    every_robot = _each("robots", cast("Robot | Sequence[Robot]", robots), n, Robot)
+    every_robot = _each("robots", cast("Robot | Sequence[Robot]", swimming), n, Robot)
     every_gait = _each("gaits", gaits, n, Gait)
     every_start = _each("starts", Start() if starts is None else starts, n, Start)
     if environments is None:
@@ -206,12 +208,10 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
         if (one.duration, one.sample_interval) != common:
             name = "duration" if one.duration != common[0] else "sample_interval"
             raise BadArgument(name, f"must be the same in all scenarios, got {getattr(one, name):g} s too")
-        if not isinstance(one.motion, Gait):
-            instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
-        if not isinstance(one.start, Start):
-            instance(f"scenarios[{i}].start", one.start, Start)
-        command = one.motion.command if isinstance(one.motion, OpenLoop) else Command(gait=one.gait)
-        runs.append(Run(plant=plants[key], command=command, start=cast(Start, one.start)))
+        motion = instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
+        command = motion.command if isinstance(motion, OpenLoop) else Command(gait=one.gait)
+        start = cast(Start, instance(f"scenarios[{i}].start", one.start, Start))
+        runs.append(Run(plant=plants[key], command=command, start=start))
     return runs
 
 
