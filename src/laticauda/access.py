@@ -62,7 +62,11 @@ class Door:
         return f"http://{host}:{port}{self.token and f'/{self.token}/'}"
 
     def admits(self, token: object) -> bool:
-        """Whether somebody who says this may speak; it takes as long for any token of a length."""
+        """Whether somebody who says this may speak; it takes as long for any token of a length.
+
+        Args:
+            token: What they say; anything but a text is no token.
+        """
         said = token if isinstance(token, str) else ""
         return not self.token or hmac.compare_digest(said.encode(errors="replace"), self.token.encode())
 

@@ -115,6 +115,10 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
 def table_of(value: object, at: str) -> Table:
     """`value` if it is a table.
 
+    Args:
+        value: What a file or a call gives.
+        at: The way to it, for the message.
+
     Raises:
         BadKey: If it is not.
     """
@@ -124,7 +128,12 @@ def table_of(value: object, at: str) -> Table:
 
 
 def stamped(kind: str, table: Mapping[str, Any]) -> Table:
-    """A table with what a file says first: what it is, and in which format."""
+    """A table with what a file says first: what it is, and in which format.
+
+    Args:
+        kind: What the file is of, as `robot`.
+        table: What else stands in it.
+    """
     return {"kind": kind, "format": FORMAT, **table}
 
 
@@ -154,6 +163,11 @@ def take_kind(table: Table, *kinds: str) -> str:
 def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = "") -> None:
     """Refuse a key that is not among the `allowed`, with the nearest of them.
 
+    Args:
+        table: What a file or a call gives.
+        allowed: The keys that are known.
+        at: The way to the table, for the message; "" is the outermost.
+
     Raises:
         BadKey: If there is one, or `table` is none.
     """
@@ -181,7 +195,12 @@ def arguments_of(at: str) -> Generator[None]:
 
 
 def merged(common: Table, own: Table) -> Table:
-    """A table with what differs put over it, table by table."""
+    """A table with what differs put over it, table by table.
+
+    Args:
+        common: What holds where the other says nothing.
+        own: What differs.
+    """
     found = dict(common)
     for key, value in own.items():
         both = isinstance(value, dict) and isinstance(found.get(key), dict)
@@ -190,14 +209,25 @@ def merged(common: Table, own: Table) -> Table:
 
 
 def join(at: str, key: str) -> str:
-    """The way to a key of the table at `at`."""
+    """The way to a key of the table at `at`.
+
+    Args:
+        at: The way to the table; "" is the outermost.
+        key: One of its keys.
+    """
     return f"{at}.{key}" if at else key
 
 
 def updated(held: T, table: object, at: str = "") -> T:
     """A dataclass with what a table says otherwise; a table in it changes the value there, unless of another `kind`.
 
-    Other arguments and errors as for `decode`.
+    Args:
+        held: The dataclass as it is.
+        table: Keys and values that differ.
+        at: The way to the table, for the message.
+
+    Raises:
+        BadKey: If a key is unknown, or its value will not do.
     """
     return _object(type(held), table_of(table, at), at, held)
 
@@ -234,7 +264,12 @@ def _is_of(given: Any, held: Any) -> bool:
 
 
 def with_new_names(kind: type, table: Table) -> Table:
-    """A table of an older file with the keys of today, for an object of class `kind`."""
+    """A table of an older file with the keys of today, for an object of class `kind`.
+
+    Args:
+        kind: The class that the table is of; its `former`, if it has one, says what is new.
+        table: As the file has it.
+    """
     former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", OLDER.get(kind.__name__, {}))
     if callable(former):
         return former(table)

@@ -318,7 +318,12 @@ def hostname(name: str, value: object) -> str:
 
 
 def nearest(word: str, choices: Sequence[str]) -> str:
-    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near."""
+    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near.
+
+    Args:
+        word: What was typed.
+        choices: What is known.
+    """
     import difflib
 
     by_plain = {_plain(choice): choice for choice in choices}
@@ -336,7 +341,7 @@ def _spaced(unit: str) -> str:
 
 
 def shown(value: object) -> str:
-    """`value` as a message shows it: on one line, and short."""
+    """`value` as a message shows it: on one line, and short; of an array its shape."""
     shape = getattr(value, "shape", ())
     if shape:
         return f"an array of shape {shape}"

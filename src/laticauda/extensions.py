@@ -52,6 +52,9 @@ class Extensible:
     def named(cls, name: str) -> type[Self]:
         """The member of this group with a name.
 
+        Args:
+            name: As `kind` says it in files.
+
         Raises:
             ValueError: If there is none; the message lists those that are known.
         """

@@ -119,7 +119,13 @@ def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFa
 def read_toml(
     path: str | Path, error: type[LaticaudaError] = StorageFailed, *, missing: type[LaticaudaError] | None = None
 ) -> dict[str, Any]:
-    """The table in a TOML file; arguments and errors as for `read_text`."""
+    """The table in a TOML file.
+
+    Args:
+        path: Of the file.
+        error: What is raised if it cannot be read or is no TOML; the message says which file and why.
+        missing: The same for a file that is not there; None: `error`.
+    """
     return parse_toml(read_text(path, error, missing=missing), path, error)
 
 
@@ -128,7 +134,11 @@ def read_rows(
 ) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
     """The columns of a CSV file, and of each row below them where it stands, counted from 1, and its cells by column.
 
-    Rows without anything and lines that begin with # do not count. Arguments and errors as for `read_text`.
+    Rows without anything and lines that begin with # do not count.
+
+    Args:
+        path: Of the file.
+        error: What is raised if it cannot be read, or its rows differ in length; the message says which file and why.
     """
     lines = ["" if line.startswith("#") else line for line in read_text(path, error).splitlines()]
     reader = csv.reader(lines, strict=True)
@@ -144,7 +154,12 @@ def read_rows(
 
 
 def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
-    """The cells of a CSV file by column; see `read_rows`."""
+    """The cells of a CSV file by column.
+
+    Args:
+        path: Of the file.
+        error: What is raised if it cannot be read, or its rows differ in length; the message says which file and why.
+    """
     names, rows = read_rows(path, error)
     return {name: [row[name] for _, row in rows] for name in names}
 

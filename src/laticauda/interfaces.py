@@ -185,18 +185,30 @@ class Controller(Extensible, Generic[State], group="controllers"):
         raise NotImplementedError
 
     def step(self, state: State, observation: Observation) -> tuple[State, Command]:
-        """The state after `observation` was made in `state`, and the command until the next control instant."""
+        """The state after `observation` was made in `state`, and the command until the next control instant.
+
+        Args:
+            state: What was kept of the last control instant, or `init`.
+            observation: What is seen of the robot now.
+        """
         raise NotImplementedError
 
     def signals(self, state: State) -> Mapping[str, float]:
         """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units.
 
         Unless told otherwise, the `signals` that its state has.
+
+        Args:
+            state: What `step` returned.
         """
         return getattr(state, "signals", {})
 
     def check(self, robot: Robot) -> None:
-        """Raise a ValueError if `robot` cannot do what the controller may command."""
+        """Raise a ValueError if `robot` cannot do what the controller may command.
+
+        Args:
+            robot: What is to be controlled.
+        """
 
 
 @value
@@ -215,7 +227,12 @@ class OpenLoop(Controller[None]):
         """No state."""
 
     def step(self, state: None, observation: Observation) -> tuple[None, Command]:
-        """The command, whatever `state` and `observation` are."""
+        """The command, whatever `state` and `observation` are.
+
+        Args:
+            state: None: it keeps nothing.
+            observation: Not looked at.
+        """
         return None, self.command
 
 

@@ -301,7 +301,12 @@ def module_poses(
 
 
 def turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
-    """The rotation by `angle` [rad] about an `axis`: `yaw` to the left, `pitch` down, `roll` left side up."""
+    """The rotation by `angle` [rad] about an `axis`: `yaw` to the left, `pitch` down, `roll` left side up.
+
+    Args:
+        axis: yaw, pitch or roll.
+        angle: By how much [rad].
+    """
     c, s = np.cos(angle), np.sin(angle)
     if axis == "yaw":
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

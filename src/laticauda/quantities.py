@@ -276,7 +276,7 @@ def told(thing: object, *left_out: str) -> dict[str, str]:
 
 
 def in_words(given: Any, declared: Quantity | None) -> str:
-    """One of them; arguments as a field holds and declares it."""
+    """What a field holds, `given`, in words, its unit as `declared`; angles in degrees, and nothing of what is 0."""
     if hasattr(given, "words"):
         return given.words
     if dataclasses.is_dataclass(given):

@@ -121,6 +121,9 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     def of(cls, given: "JointLaw | str") -> "JointLaw":
         """A law, which may be `given` by its name.
 
+        Args:
+            given: The law, or its name: prescribed, pd, servo, or what an installed package brings.
+
         Raises:
             ValueError: If there is none of that name.
         """

@@ -164,7 +164,12 @@ class Live:
             self._latest = self._sample()
 
     def alter(self, **changes: Unpack[Changes]) -> None:
-        """`change` to the scenario with what `laticauda.cockpit.simulation.changed` takes as `changes`."""
+        """`change` to the scenario with what `laticauda.cockpit.simulation.changed` takes as `changes`.
+
+        Args:
+            changes: What is to be different: `robot`, `gait`, `joints`, `environment`, `current` [m/s], `path` and the
+                other fields of `laticauda.cockpit.simulation.Changes`.
+        """
         with self._lock:
             self.change(changed(self.scenario, **changes))
 

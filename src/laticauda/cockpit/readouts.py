@@ -29,6 +29,9 @@ def numbers(live: Live) -> dict[str, Any]:
     Its `time` so far [s], the forward velocity (5), that of the last gait cycle [m/s], the mean power, electrical with
     servos or a power model [W], the cost of transport by it [-], cross-track error [m], heading [rad], and `joints`,
     what these and their actuators were asked for lately, and why the robot cannot do it, if so.
+
+    Args:
+        live: The run.
     """
     record, now = live.record()
     time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot

@@ -20,11 +20,21 @@ class Lanes(types.Type):
         super().__init__(f"Lanes({dtype}, {width})")
 
     def can_convert_from(self, typingctx, other):
-        """A plain number is the same in all lanes. Arguments as for `Type`."""
+        """A plain number is the same in all lanes.
+
+        Args:
+            typingctx: Numba's typing context.
+            other: The type of what is to become lanes.
+        """
         return Conversion.safe if isinstance(other, types.Float | types.Integer) else None
 
     def unify(self, typingctx, other):
-        """A variable that holds a plain number first and lanes later holds lanes. Arguments as for `Type`."""
+        """A variable that holds a plain number first and lanes later holds lanes.
+
+        Args:
+            typingctx: Numba's typing context.
+            other: The other type that the variable has.
+        """
         return self if isinstance(other, types.Float | types.Integer) else None
 
 
@@ -37,11 +47,11 @@ class Duals(Lanes):
         self.name = f"Duals({dtype}, {width})"
 
     def can_convert_from(self, typingctx, other):
-        """What has no imaginary part is a number whose derivative is 0. Arguments as for `Type`."""
+        """What has no imaginary part is a number whose derivative is 0."""
         return Conversion.safe if other == self.part else super().can_convert_from(typingctx, other)
 
     def unify(self, typingctx, other):
-        """As for lanes. Arguments as for `Type`."""
+        """As for lanes."""
         return self if other == self.part else super().unify(typingctx, other)
 
 
@@ -53,11 +63,11 @@ class Mask(types.Type):
         super().__init__(f"Mask({width})")
 
     def can_convert_from(self, typingctx, other):
-        """A plain truth value is the same in all lanes. Arguments as for `Type`."""
+        """A plain truth value is the same in all lanes."""
         return Conversion.safe if other == types.boolean else None
 
     def unify(self, typingctx, other):
-        """As for lanes. Arguments as for `Type`."""
+        """As for lanes."""
         return self if other == types.boolean else None
 
 

@@ -67,7 +67,12 @@ class AveragedModel:
     # The arguments are numbers, arrays or CasADi's symbols: one text serves the fit, the observer and the plan.
 
     def turning(self, frequency: Any, offset: Any) -> Any:
-        """Turning rate that an offset comes to [rad/s]; `frequency` in rad/s, `offset` in rad, here and below."""
+        """Turning rate that an offset comes to [rad/s]; `frequency` in rad/s, `offset` in rad, here and below.
+
+        Args:
+            frequency: Of the gait [rad/s].
+            offset: Of the joints [rad].
+        """
         return (self.turn_0 + self.turn_1 * frequency) * offset
 
     def speed(self, frequency: Any, offset: Any) -> Any:
@@ -309,13 +314,26 @@ class OffsetSteps(Controller[int]):
         return 0
 
     def step(self, state: int, observation: Observation) -> tuple[int, Command]:
-        """The next offset, whatever the `observation` is; `state` counts them."""
+        """The next offset, whatever the `observation` is; `state` counts them.
+
+        Args:
+            state: How many offsets were commanded.
+            observation: Not looked at.
+        """
         offset = self.offsets[min(state, len(self.offsets) - 1)]
         return state + 1, Command(gait=self.gait, offset=offset)
 
     def signals(self, state: int) -> Mapping[str, float]:
-        """The offset that is held in `state`, for the log."""
+        """The offset that is held in `state`, for the log.
+
+        Args:
+            state: How many offsets were commanded.
+        """
         return {"offset": self.offsets[min(state, len(self.offsets)) - 1]}
 
     def check(self, robot: Robot) -> None:
-        """Every `robot` will do: a joint beyond its limit ends the run."""
+        """Every `robot` will do: a joint beyond its limit ends the run.
+
+        Args:
+            robot: Any.
+        """

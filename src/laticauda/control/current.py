@@ -61,7 +61,11 @@ class CurrentObserver:
     )
 
     def init(self, observation: Observation) -> ObserverState:
-        """What one `observation` tells: a place and about a heading, at rest, no drift."""
+        """What one `observation` tells: a place and about a heading, at rest, no drift.
+
+        Args:
+            observation: The first one.
+        """
         mean = np.zeros(_N)
         mean[[X, Y]], mean[PSI] = observation.center_of_mass[:2], observation.heading
         return ObserverState(time=observation.time, mean=mean, covariance=np.diag(_START**2))
@@ -89,7 +93,11 @@ class CurrentObserver:
         return _corrected(observation, mean, covariance, self.model.bend)
 
     def signals(self, state: ObserverState) -> dict[str, float]:
-        """The current where the robot is, as `state` has it, and its standard deviations along x and y, for a log."""
+        """The current where the robot is, as `state` has it, and its standard deviations along x and y, for a log.
+
+        Args:
+            state: What is known now.
+        """
         ahead = np.array([math.cos(state.mean[PSI]), math.sin(state.mean[PSI])])
         covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(ahead, ahead)
         names = ("drift_x", "drift_y", "drift_x_std", "drift_y_std")

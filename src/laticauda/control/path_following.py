@@ -91,7 +91,12 @@ class PathFollowing(Controller[PathFollowingState]):
         return PathFollowingState(progress=self.path.init(), guidance=self.guidance.init(), window=self.estimate.init())
 
     def step(self, state: PathFollowingState, observation: Observation) -> tuple[PathFollowingState, Command]:
-        """One control instant: the `state` after the `observation`, and the command until the next one."""
+        """One control instant: the `state` after the `observation`, and the command until the next one.
+
+        Args:
+            state: What was kept of the last control instant, or `init`.
+            observation: What is seen of the robot now.
+        """
         dt = 0.0 if state.time is None else observation.time - state.time
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
         progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
@@ -229,6 +234,10 @@ class SpatialPathFollowing(PathFollowing):
 
     def step(self, state: PathFollowingState, observation: Observation) -> tuple[SpatialPathFollowingState, Command]:
         """One control instant: the `state` after the `observation`, and the command until the next one.
+
+        Args:
+            state: What was kept of the last control instant, or `init`.
+            observation: What is seen of the robot now.
 
         Raises:
             ValueError: If the observation is of a planar model.

@@ -37,12 +37,21 @@ class StraightLine(Path[None]):
         """A line knows no progress."""
 
     def locate(self, progress: None, position: Position) -> tuple[None, PathFrame]:
-        """Find a `position` [m]; there is no `progress`. See `Path`."""
+        """Find a `position` [m]; there is no `progress`.
+
+        Args:
+            progress: None: a line needs no memory.
+            position: Center of mass, in world axes [m].
+        """
         along, across = seen_from(self.point, self.angle, position)
         return None, _frame(along, across, self.angle, math.inf)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the line at each `along_track_distance` [m]. See `Path`."""
+        """Points of the line at each `along_track_distance` [m].
+
+        Args:
+            along_track_distance: How far along the path, from its begin [m].
+        """
         return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
 
 
@@ -72,7 +81,13 @@ class Circle(Path[tuple[float, float] | None]):
         """Not seen yet."""
 
     def locate(self, progress: tuple[float, float] | None, position: Position) -> tuple[tuple[float, float], PathFrame]:
-        """Find a `position` [m]; the `progress`: its direction from the middle, and the angle that is behind [rad]."""
+        """Find a `position` [m]; the `progress`: its direction from the middle, and the angle that is behind [rad].
+
+        Args:
+            progress: Direction from the middle to where it was seen last, and the angle that is behind [rad]; None: it
+                has not been seen.
+            position: Center of mass, in world axes [m].
+        """
         side, (x, y) = math.copysign(1.0, self.turns), self.center
         away, angle = math.hypot(position[0] - x, position[1] - y), math.atan2(position[1] - y, position[0] - x)
         last, swept = progress or (angle, 0.0)
@@ -82,7 +97,11 @@ class Circle(Path[tuple[float, float] | None]):
         return (angle, swept), _frame(along, across, ahead, self.lengths[1], side / self.radius)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the circle at each `along_track_distance` [m], the first of them at its right. See `Path`."""
+        """Points of the circle at each `along_track_distance` [m], the first of them at its right.
+
+        Args:
+            along_track_distance: How far along the path, from its begin [m].
+        """
         angle = math.copysign(1.0, self.turns) * along_track_distance / self.radius
         return np.array(self.center) + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
 
@@ -121,7 +140,12 @@ class Polyline(Path[int]):
         return 0
 
     def locate(self, progress: int, position: Position) -> tuple[int, PathFrame]:
-        """Find a `position` [m] on the leg that is followed, whose number is the `progress`. See `Path`."""
+        """Find a `position` [m] on the leg that is followed, whose number is the `progress`.
+
+        Args:
+            progress: Number of the leg that is followed, from 0.
+            position: Center of mass, in world axes [m].
+        """
         leg = progress
         while leg < len(self.waypoints) - 2 and self._is_done(leg, position):
             leg += 1
@@ -130,14 +154,22 @@ class Polyline(Path[int]):
         return leg, _frame(along + self.lengths[leg], across, angle, self.length)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the legs at each `along_track_distance` [m]. See `Path`."""
+        """Points of the legs at each `along_track_distance` [m].
+
+        Args:
+            along_track_distance: How far along the path, from its begin [m].
+        """
         leg = np.clip(np.searchsorted(self.lengths, along_track_distance, side="right") - 1, 0, len(self.lengths) - 2)
         corner = np.array(self.waypoints)
         ahead = np.diff(corner, axis=0) / np.diff(self.lengths)[:, np.newaxis]
         return corner[leg] + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
 
     def angle(self, leg: int) -> float:
-        """Direction of a `leg`, counted from 0, to the world x axis [rad]."""
+        """Direction of a `leg`, counted from 0, to the world x axis [rad].
+
+        Args:
+            leg: Which one, from 0.
+        """
         (x, y), (to_x, to_y) = self.waypoints[leg], self.waypoints[leg + 1]
         return math.atan2(to_y - y, to_x - x)
 
@@ -183,7 +215,12 @@ class Spline(Path[float | None]):
         """Nowhere yet: the first position is searched along the whole curve."""
 
     def locate(self, progress: float | None, position: Position) -> tuple[float | None, PathFrame]:
-        """Find a `position` [m]; the `progress` is the length up to the last nearest point [m]. See `Path`."""
+        """Find a `position` [m]; the `progress` is the length up to the last nearest point [m].
+
+        Args:
+            progress: Length up to the last nearest point [m]; None: it has not been seen.
+            position: Center of mass, in world axes [m].
+        """
         curve = self._curve
         u = np.array([curve.nearest(position[:2], progress)])
         (r,), (first,), (second,) = curve.derivatives(u)
@@ -196,7 +233,11 @@ class Spline(Path[float | None]):
         return length, _frame(along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second))
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the curve at each `along_track_distance` [m]. See `Path`."""
+        """Points of the curve at each `along_track_distance` [m].
+
+        Args:
+            along_track_distance: How far along the path, from its begin [m].
+        """
         inside = np.clip(along_track_distance, 0.0, self.length)
         r, first, _ = self._curve.derivatives(self._curve.parameter(inside))
         unit = first / np.linalg.norm(first, axis=1, keepdims=True)

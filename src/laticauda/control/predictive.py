@@ -235,7 +235,12 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         return PredictiveState(progress=self.path.init(), command=(self.gait.frequency, 0.0))
 
     def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
-        """One control instant: the `state` after the `observation`, and the command until the next one."""
+        """One control instant: the `state` after the `observation`, and the command until the next one.
+
+        Args:
+            state: What was kept of the last control instant, or `init`.
+            observation: What is seen of the robot now.
+        """
         observer = CurrentObserver(model=self.model)
         seen = observer.step(state.seen, *state.command, observation)
         # Planned with is where the filter has the robot: the center of mass swings across its course with the gait.

@@ -160,7 +160,11 @@ class EstimatorState:
         return self.history[-1][1]
 
     def within(self, horizon: float) -> "EstimatorState":
-        """The same without what no sample may go back to that comes late by at most `horizon` [s]."""
+        """The same without what no sample may go back to that comes late by at most `horizon` [s].
+
+        Args:
+            horizon: How late a sample may come [s].
+        """
         past, keep = self.history, 0
         while keep + 1 < len(past) and past[keep + 1][1].time <= self.latest.time - horizon:
             keep += 1

@@ -148,7 +148,11 @@ class Mount:
         return plane.link[self.module], (plane.shift[self.module] + along, across)
 
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
-        """The angle of the link that a measured `rotation` means, in [-pi, pi] [rad]."""
+        """The angle of the link that a measured `rotation` means, in [-pi, pi] [rad].
+
+        Args:
+            rotation: From the body's axes to the world's.
+        """
         return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
 
 
@@ -179,19 +183,38 @@ class StateEstimator:
         raise NotImplementedError
 
     def step(self, state: Any, sample: Sample) -> Any:
-        """The state that follows `state` by one more `sample`."""
+        """The state that follows `state` by one more `sample`.
+
+        Args:
+            state: What is known so far.
+            sample: What was measured, and when.
+        """
         raise NotImplementedError
 
     def steps(self, state: Any, samples: Sequence[Sample]) -> Any:
-        """The state that follows `state` by several `samples` that came at once, in this order."""
+        """The state that follows `state` by several `samples` that came at once, in this order.
+
+        Args:
+            state: What is known so far.
+            samples: What was measured, in the order in which it is taken.
+        """
         for sample in samples:
             state = self.step(state, sample)
         return state
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
-        """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known."""
+        """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known.
+
+        Args:
+            state: What is known so far.
+            time: The moment that is asked for; None: the last sample's [s].
+        """
         raise NotImplementedError
 
     def status_at(self, age: float) -> Status:
-        """What the time since the last accepted frame, `age` [s], means."""
+        """What the time since the last accepted frame, `age` [s], means.
+
+        Args:
+            age: Time since the last accepted frame [s].
+        """
         return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"

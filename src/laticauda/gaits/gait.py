@@ -101,7 +101,11 @@ class Custom(Envelope):
         return self.joints(n)[i - 1]
 
     def joints(self, n_links: int) -> tuple[float, ...]:
-        """The values, if there are as many as joints of `n_links` links."""
+        """The values, if there are as many as joints of `n_links` links.
+
+        Args:
+            n_links: Of the robot [-].
+        """
         if len(self.values) != n_links - 1:
             need = f"one value per joint, {n_links - 1} for {n_links} links"
             raise BadArgument("envelope", f"must have {need}, got {len(self.values)}")
@@ -180,7 +184,11 @@ class Wave:
     envelope: Envelope = option("g of the pitch joints, how the amplitude is spread", default=LateralUndulation())
 
     def target(self, offset: float = 0.0) -> WaveTarget:
-        """What the reference generator gets of it; `offset` [rad] adds to its own."""
+        """What the reference generator gets of it; `offset` [rad] adds to its own.
+
+        Args:
+            offset: Added to the wave's own, as a controller asks [rad].
+        """
         return WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase)
 
 
@@ -234,7 +242,11 @@ class Gait:
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A `table` of an older file as one of today: kind and values of the envelope stood beside each other."""
+        """A `table` of an older file as one of today: kind and values of the envelope stood beside each other.
+
+        Args:
+            table: As the file has it.
+        """
         new = dict(table)
         kind, values = new.pop("kind", None), new.get("envelope")
         if kind is not None or values is None or isinstance(values, list | tuple):

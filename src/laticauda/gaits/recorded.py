@@ -44,7 +44,11 @@ class JointAngles:
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A `table` of a file whose angles may be in degrees, as `angle_deg`."""
+        """A `table` of a file whose angles may be in degrees, as `angle_deg`.
+
+        Args:
+            table: As the file has it.
+        """
         new = dict(table)
         if "angle" not in new and isinstance(new.get("angle_deg"), list):
             new["angle"] = np.radians(np.array(new.pop("angle_deg"), dtype=float)).tolist()

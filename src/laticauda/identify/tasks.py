@@ -95,7 +95,11 @@ class TrialFile:
         return tuple(Path(name) for name in (self.file, self.columns) if name is not None)
 
     def beside(self, folder: Path) -> "TrialFile":
-        """The same, its paths relative to a `folder`."""
+        """The same, its paths relative to a `folder`.
+
+        Args:
+            folder: What its paths are to begin with.
+        """
         columns = None if self.columns is None else str(folder / self.columns)
         return replace(self, file=str(folder / self.file), columns=columns)
 
@@ -170,7 +174,17 @@ class Task:
     """The files that it was read from."""
 
     def run(self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent) -> Fit:
-        """Identify; arguments and errors as for `fit`."""
+        """Identify.
+
+        Args:
+            threads: How many to compute with; None takes all cores that this process may use.
+            progress: Called now and then with the share that is finished, from 0 to 1.
+            keep: Called with the best values by name and their sum of squares, whenever there are better ones.
+
+        Raises:
+            ValueError: If there are too few measurements for the unknowns, or an argument is out of its range.
+            RobotFileError: If what will not do stands in the task's file.
+        """
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
         try:
             return fit(self.measurements, self.robot, parameters=self.unknowns, **how)

@@ -74,7 +74,11 @@ class Faults:
         """Those that are there now."""
 
     def add(self, fault: Fault) -> None:
-        """One more: `fault`."""
+        """One more: `fault`.
+
+        Args:
+            fault: What happens, where, and from when to when.
+        """
         self._all.append(fault)
 
     def clear(self) -> None:
@@ -82,11 +86,20 @@ class Faults:
         self._all, self.present = [], ()
 
     def look(self, time: float) -> None:
-        """See which are on at `time` [s]; the other questions are answered for then."""
+        """See which are on at `time` [s]; the other questions are answered for then.
+
+        Args:
+            time: Now [s].
+        """
         self.present = tuple(fault for fault in self._all if fault.is_on(time))
 
     def on(self, kind: str, node: int = protocol.EVERY_NODE) -> Fault | None:
-        """A fault of `kind` that is there now, at `node` or everywhere; None: there is none."""
+        """A fault of `kind` that is there now, at `node` or everywhere; None: there is none.
+
+        Args:
+            kind: What happens, as `meter_silent`.
+            node: Of which module; every one's, if none is named.
+        """
         return next((one for one in self.present if one.kind == kind and one.node in (protocol.EVERY_NODE, node)), None)
 
 

@@ -89,7 +89,11 @@ class QtmServer:
         loop.close()
 
     def publish(self, frame: MocapFrame) -> None:
-        """Send `frame` to all who stream; may be called from any thread."""
+        """Send `frame` to all who stream; may be called from any thread.
+
+        Args:
+            frame: The bodies' poses, and when they were seen.
+        """
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._publish, frame)
 

@@ -71,6 +71,9 @@ class Tank:
     def inject(self, fault: Fault) -> None:
         """Let a `fault` happen; one of the past never was.
 
+        Args:
+            fault: What happens, where, and from when to when.
+
         Raises:
             ValueError: If it cannot happen to this robot here.
         """
@@ -78,7 +81,11 @@ class Tank:
         self.faults.add(fault)
 
     def carry(self, start: Start) -> None:
-        """Take the robot out, straighten it, and put it back at rest at `start`."""
+        """Take the robot out, straighten it, and put it back at rest at `start`.
+
+        Args:
+            start: Where it is put, and how it heads.
+        """
         self.body.carry(start)
         self.electronics.forget(self.truth)
         self._senses = self._read()
@@ -94,7 +101,11 @@ class Tank:
         return captured
 
     def answer(self, line: str) -> bytes:
-        """What the meter says to `line`; nothing while it is silent."""
+        """What the meter says to `line`; nothing while it is silent.
+
+        Args:
+            line: What was asked, without the line's end.
+        """
         return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
 
     @property
@@ -103,7 +114,11 @@ class Tank:
         return (self._ticks + 1) * self.settings.step
 
     def advance(self, dt: float) -> None:
-        """Let `dt` [s] pass."""
+        """Let `dt` [s] pass.
+
+        Args:
+            dt: By how much [s].
+        """
         self.advance_to(self.time + dt)
 
     def advance_to(self, time: float) -> None:

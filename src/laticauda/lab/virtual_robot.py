@@ -77,7 +77,11 @@ class VirtualRobot:
         self._put(self.start, 0.0)
 
     def carry(self, start: Start) -> None:
-        """Take the robot out of the water, straighten it, and put it back at rest at `start`; time and water go on."""
+        """Take the robot out of the water, straighten it, and put it back at rest at `start`; time and water go on.
+
+        Args:
+            start: Where it is put, and how it heads.
+        """
         self._work = self.truth.electrical_work
         self._put(start, self.truth.time)
 

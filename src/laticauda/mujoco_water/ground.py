@@ -76,7 +76,12 @@ class Terrain:
         return np.array([*self.corner, *self.cell, *self.grid.shape, *self.grid.ravel()])
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Height of the ground at `x`, `y` [m], and the tangents of its fall along both [-]."""
+        """Height of the ground at `x`, `y` [m], and the tangents of its fall along both [-].
+
+        Args:
+            x: In world axes [m].
+            y: In world axes [m].
+        """
         height, fall = terrain(x, *self.profile)
         more = (0.0, 0.0, 0.0) if self.grid is None else uneven(x, y, self.nodes)
         return height + more[0], fall + more[1], more[2]

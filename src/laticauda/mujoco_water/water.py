@@ -169,7 +169,11 @@ def attach(
 
 
 def attached(model: Any) -> Water | None:
-    """The water of `model`: one that it was attached to, a copy, or one from a pickle; None: it has none."""
+    """The water of `model`: one that it was attached to, a copy, or one from a pickle; None: it has none.
+
+    Args:
+        model: A `mujoco.MjModel`, or what holds one as its `ptr`.
+    """
     instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
     water = callback.entry(model)
     return water and replace(water, model=weakref.ref(model))

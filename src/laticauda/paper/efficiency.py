@@ -84,7 +84,12 @@ class EfficiencyStudy(Study[EfficiencySettings]):
 
     @classmethod
     def by_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
-        """What comes out of `settings`, swum by `runs`."""
+        """What comes out of `settings`, swum by `runs`.
+
+        Args:
+            settings: What is swum.
+            runs: How: by which model, and who is told how far it is.
+        """
         runs.n_runs = settings.n_runs
 
         def tasks(group: Group, gait: gaits.Gait) -> list[tuple[str, scenarios.Scenario]]:

@@ -132,7 +132,12 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
 
     @classmethod
     def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
-        """What comes out of `settings`, swum by `runs`."""
+        """What comes out of `settings`, swum by `runs`.
+
+        Args:
+            settings: What is swum.
+            runs: How: by which model, and who is told how far it is.
+        """
         chosen = runs.model
         law = name_of(type(chosen.joints))
         ways = [

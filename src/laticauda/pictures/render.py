@@ -79,7 +79,7 @@ def still(
     time: float | None = None,
     beside: Sequence[Trial] = (),
 ) -> None:
-    """Show one moment of a trial; what is not said here is as for `video`.
+    """Show one moment of a trial, as a film shows it.
 
     Args:
         trial: Any trial, simulated or real.
@@ -123,7 +123,7 @@ def pictures(
 
 
 def check_video() -> None:
-    """Refuse a video that cannot be made here, before there is a trial to show; errors as for `video`."""
+    """Refuse a video that cannot be made here, before there is a trial to show; it raises what `video` does."""
     ffmpeg()
     stage.check_offscreen()
 

@@ -195,18 +195,30 @@ def _value(one: Number, whole: int) -> Any:
 
 
 def from_node(identifier: int) -> bool:
-    """Whether a frame with this `identifier` comes from a node, if it is one of ours."""
+    """Whether a frame with this `identifier` comes from a node, if it is one of ours.
+
+    Args:
+        identifier: Of the frame, 11 bits.
+    """
     return identifier >= _FIRST_ANSWER
 
 
 def to_frame(message: messages.CanMessage) -> Any:
-    """The `can.Message` that carries a `message`."""
+    """The `can.Message` that carries a `message`.
+
+    Args:
+        message: What it says.
+    """
     identifier, data = encode(message)
     return python_can().Message(arbitration_id=identifier, data=data, is_extended_id=False)
 
 
 def from_frame(frame: Any) -> messages.CanMessage | None:
-    """The message in `frame`, a `can.Message`, or None if it is none of ours, as error and remote frames are."""
+    """The message in `frame`, a `can.Message`, or None if it is none of ours, as error and remote frames are.
+
+    Args:
+        frame: A `can.Message`, as a bus received it.
+    """
     if getattr(frame, "is_extended_id", True) or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
@@ -280,6 +292,9 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
 
 def open_bus(address: BusAddress) -> Any:
     """A `can.BusABC` at `address`, which is to be shut down after use.
+
+    Args:
+        address: Interface, channel and port.
 
     Raises:
         BusFailed: If it cannot be opened.

@@ -16,7 +16,11 @@ T = TypeVar("T")
 
 
 def summary(robot: Robot) -> dict[str, str | int | float | bool]:
-    """The main facts of `robot` by name: links, joints, length [m], mass [kg], fin, description."""
+    """The main facts of `robot` by name: links, joints, length [m], mass [kg], fin, description.
+
+    Args:
+        robot: What is told of.
+    """
     return {
         "name": robot.name,
         "n_links": robot.n_links,
@@ -29,7 +33,11 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
 
 
 def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> str:
-    """All that is known of `thing`, a robot, a water, a ground or a flow: one fact a line, like facts aligned."""
+    """All that is known of `thing`, a robot, a water, a ground or a flow: one fact a line, like facts aligned.
+
+    Args:
+        thing: A robot, a water, a ground or a flow.
+    """
     if isinstance(thing, Robot):
         rows = [*_robot_rows(thing)]
     elif isinstance(thing, Flow):

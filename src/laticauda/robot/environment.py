@@ -144,7 +144,11 @@ class Scene(Extensible, group="scenes"):
         return None
 
     def check(self, environment: "Environment") -> None:
-        """Raise a ValueError if it cannot be in `environment`."""
+        """Raise a ValueError if it cannot be in `environment`.
+
+        Args:
+            environment: What the robot is to swim in or crawl on.
+        """
         if self.wet and isinstance(environment, Ground):
             word = name_of(type(self))
             raise BadArgument("scene", f"must not be `{word}` without water, got the ground `{environment.name}`")
@@ -152,6 +156,9 @@ class Scene(Extensible, group="scenes"):
     @classmethod
     def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
         """A scene, which may be `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
+
+        Args:
+            given: The scene, its name, an MJCF file that ends in .xml, or the function; None is none.
 
         Raises:
             ValueError: If there is none of that name.

@@ -218,11 +218,19 @@ class OperationLog:
         return begin, end
 
     def of(self, *kinds: type[Any]) -> list[Any]:
-        """The entries of some `kinds` of class, in their order."""
+        """The entries of some `kinds` of class, in their order.
+
+        Args:
+            kinds: Classes of entries.
+        """
         return [entry for entry in self.entries if isinstance(entry, kinds)]
 
     def of_run(self, kind: type[Any]) -> list[Any]:
-        """Those of one `kind` from the begin of the run to its end."""
+        """Those of one `kind` from the begin of the run to its end.
+
+        Args:
+            kind: A class of entries.
+        """
         begin, end = self.span
         return [entry for entry in self.of(kind) if begin <= entry.time <= end]
 
