@@ -1,6 +1,7 @@
 """Who is answered by the page's server, over real sockets."""
 
 import asyncio
+import gc
 import http.client
 import logging
 import socket
@@ -146,3 +147,18 @@ def test_a_viser_that_would_serve_everybody_is_refused(monkeypatch):
     with pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"), pages._guarding(Door.of("127.0.0.1")):
         pass  # a viser that makes its server otherwise
     assert module.serve is usual
+
+
+def test_what_pages_leave_behind_is_collected_though_python_does_not_look_for_it(own):
+    def connections():
+        return sum(type(one).__name__ == "ServerConnection" for one in gc.get_objects())
+
+    gc.collect()
+    gc.disable()
+    try:
+        before = connections()
+        for _ in range(30):
+            assert own.messages() is True
+        assert connections() - before <= 11
+    finally:
+        gc.enable()

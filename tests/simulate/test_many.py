@@ -237,7 +237,7 @@ def test_a_robot_may_be_given_by_its_name():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"robots": "mamab"}, "there is no robot preset named `mamab` (robots: "),
+        ({"robots": "mamab"}, "there is no robot preset named `mamab`; did you mean `mamba`?"),
         ({"gaits": []}, "`gaits` must hold at least one item, got none."),
         (
             {"robots": [MAMBA] * 3, "gaits": [GAIT] * 2},

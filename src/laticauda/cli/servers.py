@@ -222,10 +222,9 @@ class CockpitCommand(OfScenario):
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from laticauda.cockpit import Cockpit, Live
-        from laticauda.cockpit.pages import load_viser
+        from laticauda.cockpit import Cockpit, Live, pages
 
-        load_viser()
+        pages.load_viser()
         scenario = self.chosen
         warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)

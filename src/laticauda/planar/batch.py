@@ -220,7 +220,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
 
 def _side_by_side(runs: Sequence[Run]) -> np.ndarray:
     """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
-    columns = _columns(runs)
+    columns = columns_of(runs)
     S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
     real, n = S, len(runs)
     if runs[0].slope is not None:
@@ -232,8 +232,8 @@ def _side_by_side(runs: Sequence[Run]) -> np.ndarray:
     return S
 
 
-def _columns(runs: Sequence[Run]) -> np.ndarray:
-    """The rows of several runs; where their waves alone differ, most are worked out once."""
+def columns_of(runs: Sequence[Run]) -> np.ndarray:
+    """The rows of several runs, one column each; where their waves alone differ, most are worked out once."""
     first = runs[0]
     if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
         return np.stack([run.rows for run in runs], axis=1)

@@ -1,8 +1,8 @@
 """The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
 
-Experimental: an H100 and numba-cuda's simulator have run them. A run's rows are one column of an array, so that neighboring
-threads read neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications and
-additions in its own way: results agree with the processor's to rounding, not to the last digit.
+Experimental: an H100 and numba-cuda's simulator have run them. A run's rows are one column of an array, so that
+neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications
+and additions in its own way: results agree with the processor's to rounding, not to the last digit.
 """
 
 # pyright: basic, reportMissingImports=false
@@ -21,7 +21,7 @@ from laticauda import scalars
 from laticauda.compiling import Target
 from laticauda.errors import BadArgument
 from laticauda.planar import rows
-from laticauda.planar.batch import PATH_ROWS, Block, Device, Run, block_of, kinds_of
+from laticauda.planar.batch import PATH_ROWS, Block, Device, Run, block_of, columns_of, kinds_of
 from laticauda.planar.model import specialize
 
 Result = TypeVar("Result")
@@ -64,7 +64,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
-    states = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
+    states = cuda.to_device(columns_of(runs))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
     march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
     # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
