@@ -1,11 +1,7 @@
 """The reference of the API has every package, and every field that is declared has its text there."""
 
-import importlib
-import inspect
 import re
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import griffe
 import pytest
@@ -52,30 +48,3 @@ def test_a_series_and_a_figure_show_what_is_declared_of_them():
 def test_those_who_carry_it_on_find_their_pages(page):
     assert (ROOT / "docs/developing" / f"{page}.md").stat().st_size > 1000
     assert f"developing/{page}.md" in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-
-
-def public_functions(package: str) -> Iterator[tuple[str, Callable[..., Any]]]:
-    module = importlib.import_module(package)
-    for name in getattr(module, "__all__", [name for name in vars(module) if not name.startswith("_")]):
-        thing = getattr(module, name)
-        if not getattr(thing, "__module__", "").startswith("laticauda"):
-            continue
-        members = vars(thing).items() if inspect.isclass(thing) else [(name, thing)]
-        for own, member in members:
-            function = getattr(member, "__func__", member)
-            if inspect.isfunction(function) and not own.startswith("_"):
-                yield f"{package}.{name}.{own}", function
-
-
-@pytest.mark.parametrize("package", ["laticauda", *(f"laticauda.{name}" for name in sorted(packages()))])
-def test_every_public_function_explains_its_arguments_in_place(package):
-    unexplained = [
-        (name, argument)
-        for name, function in public_functions(package)
-        for argument in inspect.signature(function).parameters
-        if argument not in ("self", "cls")
-        and not re.search(rf"^\s*\*{{0,2}}{argument}: |`{argument}`", inspect.getdoc(function) or "", re.MULTILINE)
-    ]
-    assert not unexplained
-    elsewhere = [name for name, f in public_functions(package) if re.search(r"guments.* as for `", f.__doc__ or "")]
-    assert not elsewhere
