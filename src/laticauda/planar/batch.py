@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -121,13 +121,15 @@ def march_many(
     n_threads = threads or usable_cores()
     tasks = _tasks(runs, duration / n_intervals, n_threads)
 
-    def work(task: Sequence[np.ndarray]) -> list[Result]:
-        kind = float if runs[0].slope is None else complex
-        first = runs[int(task[0][0])].plant  # as to kernel and rows, like all runs of a kind
+    def work(task: np.ndarray) -> list[Result]:
+        alike = [runs[int(i)] for i in task]
+        first, columns = alike[0].plant, columns_of(alike)  # as to kernel and rows, like all runs of a kind
         n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
+        kind = float if runs[0].slope is None else complex
         log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
-        kernel = first.kernels_of(WIDTH).run
-        return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
+        blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
+        states = ((task[one], _side_by_side(columns[:, one], alike[one])) for one in blocks)
+        return [use(_march(first, index, S, duration, n_intervals, log)) for index, S in states]
 
     with ThreadPoolExecutor(n_threads) as pool:
         waiting = deque[Future[list[Result]]](pool.submit(work, task) for task in islice(tasks, 2 * n_threads))
@@ -141,13 +143,12 @@ def march_many(
                 future.cancel()
 
 
-def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[list[np.ndarray]]:
-    """Indices of runs that can go side by side, in blocks of up to WIDTH, a few blocks per task."""
+def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.ndarray]:
+    """Indices of runs that can go side by side, a few blocks of WIDTH per task."""
     for alike in kinds_of(runs, interval):
-        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
-        count = min(max(len(blocks) // (4 * n_threads), 1), _BLOCKS)
-        for i in range(0, len(blocks), count):
-            yield blocks[i : i + count]
+        size = WIDTH * min(max(len(alike) // (4 * WIDTH * n_threads), 1), _BLOCKS)
+        for i in range(0, len(alike), size):
+            yield np.array(alike[i : i + size])
 
 
 def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
@@ -178,20 +179,18 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
 
 
 def _march(
-    runs: Sequence[Run], index: np.ndarray, kernel: Any, duration: float, n_intervals: int, log: np.ndarray
+    plant: PlanarPlant, index: np.ndarray, S: np.ndarray, duration: float, n_intervals: int, log: np.ndarray
 ) -> Block:
-    """Up to WIDTH runs of one kind, side by side; lanes without a run repeat the last one."""
-    plant = runs[0].plant
+    """Up to WIDTH runs of one kind from their rows, side by side."""
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    S = _side_by_side(runs)
     implicit = plant.is_implicit
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):
         count = min(_SAMPLES, n_intervals - first)
         part = log[: count + 1]
-        kernel(S, *plant.layout.chain, implicit, count * every, dt, every, part)
+        plant.kernels_of(WIDTH).run(S, *plant.layout.chain, implicit, count * every, dt, every, part)
         here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
@@ -200,7 +199,7 @@ def _march(
         if not well.any():
             break
     path = np.concatenate(paths) if paths else _numbers(log)
-    n = len(runs)
+    n = index.size
     return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
 
 
@@ -218,9 +217,8 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
     )
 
 
-def _side_by_side(runs: Sequence[Run]) -> np.ndarray:
+def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
     """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
-    columns = columns_of(runs)
     S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
     real, n = S, len(runs)
     if runs[0].slope is not None:
@@ -233,7 +231,12 @@ def _side_by_side(runs: Sequence[Run]) -> np.ndarray:
 
 
 def columns_of(runs: Sequence[Run]) -> np.ndarray:
-    """The rows of several runs, one column each; where their waves alone differ, most are worked out once."""
+    """The rows of several runs, one column each."""
+    return np.concatenate([_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1)
+
+
+def _columns(runs: Sequence[Run]) -> np.ndarray:
+    """Those of one plant's runs; where their waves alone differ, most are worked out once."""
     first = runs[0]
     if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
         return np.stack([run.rows for run in runs], axis=1)
@@ -245,8 +248,8 @@ def columns_of(runs: Sequence[Run]) -> np.ndarray:
 
 
 def _differ_in_waves(one: Run, other: Run) -> bool:
-    """Whether two runs differ in nothing but `TOLD`."""
-    if one.plant is not other.plant or one.start != other.start:
+    """Whether two runs of a plant differ in nothing but `TOLD`."""
+    if one.start != other.start:
         return False
     a, b = vars(one.command), vars(other.command)
     if any(a[name] != b[name] for name in a if name != "gait"):
@@ -267,5 +270,5 @@ def aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array of zeros that begins where a vector register's worth of memory does."""
     size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
     raw: np.ndarray = np.zeros(size + 8)
-    first = -raw.ctypes.data % 64 // 8
+    first = -raw.__array_interface__["data"][0] % 64 // 8
     return cast(np.ndarray, raw[first : first + size].view(kind)).reshape(shape)
