@@ -1,11 +1,13 @@
 import io
 import json
+import os
 import signal
 import sys
 from pathlib import Path
 
 import pytest
 
+from laticauda import cli
 from laticauda.cli import command
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import Picture, Stored
@@ -73,6 +75,30 @@ def test_a_server_ends_well_by_ctrl_c_and_is_closed(capsys: pytest.CaptureFixtur
         raise KeyboardInterrupt
     assert closed == [True]
     assert capsys.readouterr().err == "stopped.\n"
+
+
+def test_a_server_that_is_stopped_while_something_is_compiled_is_closed_and_goes_on_to_save(capsys):
+    closed: list[bool] = []
+    compiler = compile("import signal; signal.raise_signal(signal.SIGINT)", f"{os.sep}numba{os.sep}lower.py", "exec")
+    before = signal.signal(signal.SIGINT, cli._stop)
+    try:
+        with until_stopped(lambda: closed.append(True)):
+            exec(compiler)
+        assert signal.getsignal(signal.SIGINT) is cli._stop
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert closed == [True]
+    assert capsys.readouterr().err == "stopped.\n"
+
+
+def test_a_server_in_the_background_of_a_script_goes_on_at_ctrl_c():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with until_stopped(lambda: None):
+            signal.raise_signal(signal.SIGINT)
+            assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class Terminal(io.StringIO):

@@ -85,15 +85,17 @@ def until_stopped(close: Callable[[], None]) -> Generator[None]:
     Args:
         close: What is to be done in the end, however that comes.
     """
+    # Ctrl-C too: `laticauda.cli` would end at once where something is compiled, and what is to be saved would be lost.
     is_main = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler) if is_main else None
+    both = [one for one in (signal.SIGINT, signal.SIGTERM) if is_main and signal.getsignal(one) != signal.SIG_IGN]
+    before = [signal.signal(one, signal.default_int_handler) for one in both]
     try:
         yield
     except KeyboardInterrupt:
         print("stopped.", file=sys.stderr)
     finally:
-        if is_main:
-            signal.signal(signal.SIGTERM, before)
+        for one, handler in zip(both, before, strict=True):
+            signal.signal(one, handler)
         close()
 
 

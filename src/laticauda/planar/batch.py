@@ -184,13 +184,12 @@ def _march(
     """Up to WIDTH runs of one kind from their rows, side by side."""
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    implicit = plant.is_implicit
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):
         count = min(_SAMPLES, n_intervals - first)
         part = log[: count + 1]
-        plant.kernels_of(WIDTH).run(S, *plant.layout.chain, implicit, count * every, dt, every, part)
+        plant.kernels_of(WIDTH).run(S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part)
         here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
