@@ -193,8 +193,12 @@ def value(kind: Kind) -> Kind:
     if degrees_of(made):
         made.__init__ = _in_degrees_too(made.__init__)
     made.__doc__ = _with_fields(made)
-    made._repr_html_ = lambda self: html_table(getattr(self, "words", type(self).__name__), told(self))
+    made._repr_html_ = _as_table
     return made
+
+
+def _as_table(self: Any) -> str:
+    return html_table(getattr(self, "words", self.__class__.__name__), told(self))
 
 
 def html_table(title: str, rows: Mapping[str, str]) -> str:

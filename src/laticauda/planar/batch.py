@@ -125,8 +125,7 @@ def march_many(
         alike = [runs[int(i)] for i in task]
         first, columns = alike[0].plant, columns_of(alike)  # as to kernel and rows, like all runs of a kind
         n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
-        kind = float if runs[0].slope is None else complex
-        log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
+        log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), float if runs[0].slope is None else complex)
         blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
         states = ((task[one], _side_by_side(columns[:, one], alike[one])) for one in blocks)
         return [use(_march(first, index, S, duration, n_intervals, log)) for index, S in states]
@@ -248,13 +247,13 @@ def _columns(runs: Sequence[Run]) -> np.ndarray:
 
 def _differ_in_waves(one: Run, other: Run) -> bool:
     """Whether two runs of a plant differ in nothing but `TOLD`."""
-    if one.start != other.start:
-        return False
-    a, b = vars(one.command), vars(other.command)
-    if any(a[name] != b[name] for name in a if name != "gait"):
-        return False
-    a, b = vars(one.command.gait), vars(other.command.gait)
-    return all(a[name] == b[name] for name in a if name not in TOLD)
+    a, b = one.command, other.command
+    return one.start == other.start and _same(a, b, ("gait",)) and _same(a.gait, b.gait, TOLD)
+
+
+def _same(one: object, other: object, but: Sequence[str]) -> bool:
+    """Whether two objects of a class have the same in all fields but some."""
+    return all(vars(other)[name] == value for name, value in vars(one).items() if name not in but)
 
 
 def _numbers(lanes: np.ndarray) -> np.ndarray:

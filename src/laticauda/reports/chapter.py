@@ -63,7 +63,7 @@ def templates(package: str = "laticauda.reports") -> Any:
         "digits": in_digits,
         "form_of": form_of,
         "span": span,
-        "upper_first": lambda text: text[:1].upper() + text[1:],
+        "upper_first": _upper_first,
     }
     made.globals |= {"is_numeric": is_numeric, "share": share}
     return made
@@ -162,6 +162,10 @@ def _for_the_page(path: Path) -> bytes:
 
 def _base64(content: bytes) -> str:
     return base64.b64encode(content).decode("ascii")
+
+
+def _upper_first(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 # ---- numbers and tables ---------------------------------------------------------------------------------------------
