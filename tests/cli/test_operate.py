@@ -38,6 +38,8 @@ joint_timeout = 3
 heartbeat_timeout = 3
 mocap_timeout = 5
 straighten_time = 1
+[acceptance]
+pose_age = 3
 """
 
 

@@ -96,8 +96,8 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     assert result.trial is not None
     assert lc.load_trial(tmp_path / "session.nc").equals(result.trial)
     summary = json.loads(json.dumps(result.summary()))
-    tick = 1.0 / 20.0  # by which the first and the last estimate may each be inside the run
-    assert 2.0 - 2.0 * tick <= summary["duration"] < 2.0 + tick + PATIENT.max_lateness
+    tick = 1.0 / 20.0  # by which the first and the last estimate may each be inside the run, and ticks are not exact
+    assert 2.0 - 3.0 * tick <= summary["duration"] < 2.0 + tick + PATIENT.max_lateness
     assert summary["total_power"] - summary["electrical_power"] == pytest.approx(35 * summary["idle_current"])
     assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
     assert summary["timing"]["ticks"] > 50
