@@ -84,9 +84,9 @@ def test_a_twin_that_knows_the_robots_speed_tells_it_from_a_current():
 class Exploding(PlanarPlant):
     """A plant that diverges after 3 s."""
 
-    def march(self, state, command, duration, sample_interval, *, link_forces=False):
-        then, log, trouble = super().march(state, command, duration, sample_interval)
-        return then, log, "diverged" if log.time[-1] > 3.0 else trouble
+    def advance(self, *of, **how):
+        then, stretch, trouble = super().advance(*of, **how)
+        return then, stretch, "diverged" if self.observe(then).time > 3.0 else trouble
 
 
 def test_a_twin_that_diverges_is_given_up_and_the_filter_goes_on_without_it():
@@ -208,14 +208,9 @@ def test_a_twin_may_be_astray_for_a_second_and_comes_back_at_once():
 class Told(PlanarPlant):
     """A plant that says another speed than it has."""
 
-    def march(self, state, command, duration, sample_interval, *, link_forces=False):
-        then, log, trouble = super().march(state, command, duration, sample_interval)
-        (speed, rate), n = SAID[-1], len(log.time)
-        return (
-            then,
-            replace(log, center_of_mass_velocity=np.tile(speed, (n, 1)), heading_rate=np.full(n, rate)),
-            trouble,
-        )
+    def observe(self, state):
+        speed, rate = SAID[-1]
+        return replace(super().observe(state), center_of_mass_velocity=np.array(speed), heading_rate=rate)
 
 
 SAID: list[tuple[tuple[float, float], float]] = []

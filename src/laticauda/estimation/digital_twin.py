@@ -123,14 +123,15 @@ def step_twin(
         apart = joint_angle - state.joint_angle
         reference = reference + coupling * apart
         astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
-    then, log, trouble = plant.march(state.plant, _held(reference, fin), dt, dt)
+    then, _, trouble = plant.advance(state.plant, _held(reference, fin), dt, dt)
+    seen = plant.observe(then)
     # The water's own motion is the filter's affair.
     drift = np.array(getattr(plant.environment, "uniform", (0.0, 0.0))[:2])
-    velocity, rate = log.center_of_mass_velocity[-1, :2] - drift, float(log.heading_rate[-1])
+    velocity, rate = seen.center_of_mass_velocity[:2] - drift, float(seen.heading_rate)
     is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
     if trouble is not None or not is_sane or astray > ASTRAY_TIME:
         return None
-    center_of_mass, heading = log.center_of_mass[-1, :2], float(log.heading[-1])
+    center_of_mass, heading = seen.center_of_mass[:2], float(seen.heading)
     way = center_of_mass - state.center_of_mass - dt * drift
     c, s = math.cos(state.heading), math.sin(state.heading)
     return TwinState(
@@ -139,7 +140,7 @@ def step_twin(
         velocity=velocity,
         heading=heading,
         rate=rate,
-        joint_angle=log.joint_angle[-1],
+        joint_angle=seen.joint_angle,
         astray=astray,
         along=float(c * way[0] + s * way[1]),
         across=float(c * way[1] - s * way[0]),

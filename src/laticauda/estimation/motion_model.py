@@ -28,8 +28,9 @@ HEADING, ALONG, ACROSS = range(3)
 RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACROSS, 2))
 RIPPLE = 10 + 2 * N_MODES
 JOINTS = RIPPLE + 2 * len(RIPPLES)
-_POINTER = [[RIPPLE + 2 * i for i, (what, _) in enumerate(RIPPLES) if what == kind] for kind in range(3)]
-_HARMONIC = [np.array([harmonic for what, harmonic in RIPPLES if what == kind]) for kind in range(3)]
+_KIND, _HARMONIC = np.array(RIPPLES).T
+_C = np.arange(RIPPLE, JOINTS, 2)
+_POINTER = [_C[kind == _KIND] for kind in range(3)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -218,14 +219,14 @@ class MotionModel:
         """Every pointer turns by the gait's phase; without a gait it fades at once."""
         moving = frequency > 0.0
         fade = math.exp(-dt / (self.ripple_memory if moving else STOPPED_MEMORY))
-        for i, (kind, harmonic) in enumerate(RIPPLES):
-            angle, at = harmonic * frequency * dt, RIPPLE + 2 * i
-            turn = fade * np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-            after[at : at + 2] = turn @ after[at : at + 2]
-            f[at : at + 2, at : at + 2] = turn
-            walk = self.noise.heading_ripple if kind == HEADING else self.noise.position_ripple
-            if moving:
-                q[at, at] = q[at + 1, at + 1] = (walk / harmonic) ** 2 * dt
+        angle, at = _HARMONIC * frequency * dt, _C + 1
+        c, s = fade * np.cos(angle), fade * np.sin(angle)
+        after[_C], after[at] = c * after[_C] - s * after[at], s * after[_C] + c * after[at]
+        f[_C, _C] = f[at, at] = c
+        f[_C, at], f[at, _C] = -s, s
+        if moving:
+            walk = np.where(_KIND == HEADING, self.noise.heading_ripple, self.noise.position_ripple)
+            q[_C, _C] = q[at, at] = (walk / _HARMONIC) ** 2 * dt
 
     # ---- the measurement model ---------------------------------------------------------------------------------------
 
@@ -272,7 +273,8 @@ class MotionModel:
         bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
         c, s = math.cos(mean[H]), math.sin(mean[H])
         place = [float(mean[_POINTER[kind]].sum()) for kind in range(3)]
-        pace = [float(-frequency * _HARMONIC[kind] @ mean[np.array(_POINTER[kind]) + 1]) for kind in range(3)]
+        turned = -frequency * _HARMONIC * mean[_C + 1]
+        pace = [float(turned[kind == _KIND].sum()) for kind in range(3)]
         place[ACROSS] += float(mean[ACROSS_GAIN] @ bending)
         pace[ACROSS] += float(mean[ACROSS_GAIN] @ bending_rate)
         turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else twin.rate))
