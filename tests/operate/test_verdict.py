@@ -178,8 +178,27 @@ def test_a_run_that_ended_within_its_first_cycle_is_not_checked_against_the_mode
     log = log_of(truth)
     short = tuple(one for one in log.entries if one.time < BEFORE + 1.0)
     found = judged(replace(log, entries=(*short, Event(time=BEFORE + 1.0, kind="stop", message=""))))
-    needs_no_cycle = {"pose_age", "water_speed", "without_zero"}
+    needs_no_cycle = {"angle_jump", "pose_age", "water_speed", "without_zero"}
     assert {one.word for name, one in found.items() if name not in needs_no_cycle} == {"not checked"}
+
+
+def test_a_sensor_that_jumps_within_the_first_cycle_rejects_the_run(truth):
+    angle = truth.joint_angle.copy()
+    angle[20:, 2] += math.radians(40.0)
+    short = until_cycle(log_of(truth, angle=angle), 0.5, clock=0.5)
+    found = verdict_of(short, Acceptance(), PLANT)
+    assert "a joint's angle beside its rate" in found.reason and found.reason.endswith("module 3.")
+    assert not verdict_of(until_cycle(log_of(truth), 0.5, clock=0.5), Acceptance(), PLANT).reason
+
+
+@pytest.mark.parametrize(("n", "is_right"), [(0.5, False), (1.0, True)])
+def test_a_run_that_came_to_an_edge_counts_only_if_a_cycle_was_whole(truth, n, is_right):
+    log = until_cycle(log_of(truth), n, clock=0.5)
+    edge = Event(time=log.entries[-1].time, kind="state", message="", data={"event": "edge"})
+    found = verdict_of(replace(log, entries=(*log.entries, edge)), Acceptance(), PLANT)
+    why = "The run is not right: it came to an edge before a cycle was whole, and nothing vouches for it."
+    assert found.reason == ("" if is_right else why)
+    assert found.summary()["accepted"] == is_right
 
 
 def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that_has_it_keeps_it(truth):
@@ -225,7 +244,11 @@ def without(log: OperationLog, *kinds: type) -> OperationLog:
 def test_what_was_not_recorded_is_not_checked(truth):
     log = log_of(truth)
     bare = judged(without(log, Estimate))
-    assert {name for name, one in bare.items() if one.word != "not checked"} == {"without_zero", "clock_drift"}
+    assert {name for name, one in bare.items() if one.word != "not checked"} == {
+        "angle_jump",
+        "without_zero",
+        "clock_drift",
+    }
     unseen = words(judged(without(log, PoseSample)))
     assert {name for name, word in unseen.items() if word == "not checked"} == NEEDS_A_MODEL
     no_rates = [replace(one, rate=None) if isinstance(one, JointSample) else one for one in log.entries]
@@ -400,11 +423,11 @@ def test_without_a_model_half_of_the_swing_about_an_offset_may_be_missing(truth)
     assert judged(replace(log, entries=tuple(entries)), plant=None)["joint_error"].share < 0.2
 
 
-def until_cycle(log: OperationLog, n: float) -> OperationLog:
+def until_cycle(log: OperationLog, n: float, clock: float = 0.52) -> OperationLog:
     """The same as if it had been stopped with the sample that ends a cycle."""
     end = BEFORE + 3.0 * n
     entries = tuple(one for one in log.entries if one.time <= end + 1e-9)
-    return replace(log, entries=(*entries, Event(time=end, kind="stop", message="", data={"clock": 0.52})))
+    return replace(log, entries=(*entries, Event(time=end, kind="stop", message="", data={"clock": clock})))
 
 
 def test_a_cycle_counts_with_its_last_sample_and_turning_from_six_of_them_on(truth):

@@ -178,9 +178,7 @@ class Estimator(StateEstimator):
     def _predicted(self, state: FilterState, time: float) -> FilterState:
         """The filter at a later time, without more samples."""
         dt = time - state.time
-        if dt == 0.0:
-            return state
-        if not math.isfinite(dt):
+        if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
         width = self.model.reference_bandwidth
         decay, lag = math.exp(-width * dt), cast(Any, filter_step)  # whose formula holds for arrays too

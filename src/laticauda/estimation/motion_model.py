@@ -30,7 +30,8 @@ RIPPLE = 10 + 2 * N_MODES
 JOINTS = RIPPLE + 2 * len(RIPPLES)
 _KIND, _HARMONIC = np.array(RIPPLES).T
 _C = np.arange(RIPPLE, JOINTS, 2)
-_POINTER = [_C[kind == _KIND] for kind in range(3)]
+_OF = np.arange(3)[:, np.newaxis] == _KIND
+_POINTER = [_C[one] for one in _OF]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,14 +172,12 @@ class MotionModel:
         f[H, R], f[H, TURN] = dt, dt * lever
         per_bend = dt * self.modes[0]
         across = mean[S] + mean[SLIP] * bend
-        turned = dt * np.array([-s * mean[U] - c * across, c * mean[U] - s * across])
+        turned = dt * _in_world(-across, mean[U], c, s)
         if twin is None:
             f[H, JOINTS::2] = mean[TURN] * per_bend
         else:
             h0 = mean[H] + 0.5 * dt * turning
-            c0, s0 = math.cos(h0), math.sin(h0)
-            ahead, aside = twin.along, twin.across
-            way = np.array([c0 * ahead - s0 * aside, s0 * ahead + c0 * aside])
+            way = _in_world(twin.along, twin.across, math.cos(h0), math.sin(h0))
             after[[X, Y]] += way
             turned += np.array([-way[1], way[0]])
         f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * lever * turned
@@ -254,7 +253,7 @@ class MotionModel:
         sideways[JOINTS::2] = mean[ACROSS_GAIN] @ self.modes
         rows[0] -= s * sideways
         rows[1] += c * sideways
-        place = np.array([mean[X] + c * along - s * across, mean[Y] + s * along + c * across])
+        place = mean[[X, Y]] + _in_world(along, across, c, s)
         return place, float(theta), rows
 
     def rates(
@@ -272,22 +271,18 @@ class MotionModel:
         bending = self.modes @ (reference + mean[JOINTS::2])
         bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
         c, s = math.cos(mean[H]), math.sin(mean[H])
-        place = [float(mean[_POINTER[kind]].sum()) for kind in range(3)]
-        turned = -frequency * _HARMONIC * mean[_C + 1]
-        pace = [float(turned[kind == _KIND].sum()) for kind in range(3)]
-        place[ACROSS] += float(mean[ACROSS_GAIN] @ bending)
-        pace[ACROSS] += float(mean[ACROSS_GAIN] @ bending_rate)
-        turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else twin.rate))
-        if twin is not None:
-            turning += twin.rate
+        place, pace = (_OF @ part for part in (mean[_C], -frequency * _HARMONIC * mean[_C + 1]))
+        place[ACROSS] += mean[ACROSS_GAIN] @ bending
+        pace[ACROSS] += mean[ACROSS_GAIN] @ bending_rate
+        foreseen = 0.0 if twin is None else twin.rate
+        turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else foreseen)) + foreseen
         along = pace[ALONG] - turning * place[ACROSS]
         across = pace[ACROSS] + turning * place[ALONG]
         velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
-        velocity += np.array([c * along - s * across, s * along + c * across])
+        velocity += _in_world(along, across, c, s)
         if twin is not None:
             ahead = mean[H] - twin.heading
-            c, s = math.cos(ahead), math.sin(ahead)
-            velocity += np.array([[c, -s], [s, c]]) @ twin.velocity
+            velocity += _in_world(*twin.velocity, math.cos(ahead), math.sin(ahead))
         return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
 
     def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
@@ -324,8 +319,12 @@ TWIN_OPENING = 0.1
 
 def _through_water(mean: Vector, bend: float, c: float, s: float) -> Vector:
     """Velocity of the smooth motion through the water, world axes [m/s]."""
-    surge, across = mean[U], mean[S] + mean[SLIP] * bend
-    return np.array([c * surge - s * across, s * surge + c * across])
+    return _in_world(mean[U], mean[S] + mean[SLIP] * bend, c, s)
+
+
+def _in_world(along: float, across: float, c: float, s: float) -> Vector:
+    """World axes of a vector that is given along a heading and to the left of it, by the heading's cosine and sine."""
+    return np.array([c * along - s * across, s * along + c * across])
 
 
 def _walk_of_rate(q: Matrix, at: int | np.ndarray, density: float, dt: float) -> None:

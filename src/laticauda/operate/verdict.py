@@ -64,11 +64,14 @@ class Verdict:
 
     checks: tuple[Check, ...]
     """One for each limit."""
+    is_cut: bool = False
+    """Whether the run ended at an edge before a cycle was whole: then nothing vouches for it, nor for the edge."""
 
     @property
     def reason(self) -> str:
         """What is wrong first, in a sentence; "" if the run is accepted."""
         wrong = [check.says for check in self.checks if check.word == "WRONG"]
+        wrong += ["it came to an edge before a cycle was whole, and nothing vouches for it"] if self.is_cut else []
         return f"The run is not right: {wrong[0]}." if wrong else ""
 
     def summary(self) -> dict[str, Any]:
@@ -87,10 +90,9 @@ def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None =
             not checked, and of a joint its mean and its swing alone, of which it may lack half.
     """
     run = _Run(log, plant)
-    found = dict(run.checked())
-    return Verdict(
-        tuple(_check(limits, name, run.begin, *found.get(name, NOTHING)) for name in quantities_of(Acceptance))
-    )
+    found, events = dict(run.checked()), [one.data.get("event") for one in log.of(Event)]
+    checks = (_check(limits, name, run.begin, *found.get(name, NOTHING)) for name in quantities_of(Acceptance))
+    return Verdict(tuple(checks), is_cut="edge" in events and not run.ends.size)
 
 
 def _check(limits: Acceptance, name: str, begin: float, times: Any, values: Array, where: str) -> Check:
@@ -147,6 +149,8 @@ class _Run:
     def checked(self) -> Iterator[tuple[str, Found]]:
         """All that can be."""
         yield from self._before()
+        if len(self.samples) > 1 and all(one.rate is not None for one in self.samples):
+            yield from self._jumps()
         if self.ends.size:
             yield from self._joints()
         if self.model and self.ends.size > 1 and len(self.seen) > 2 * FRAMES:
@@ -199,7 +203,7 @@ class _Run:
             yield "clock_drift", ([end], np.array([drift]), "")
 
     def _joints(self) -> Iterator[tuple[str, Found]]:
-        """Every joint over every cycle, how far it is from the way between reference and servo; and its jumps."""
+        """Every joint over every cycle, how far it is from the way between reference and servo."""
         ticks = self._columns("time")
         measured = self._at(ticks, self._columns("angle"))[..., self.driven]
         held = np.searchsorted([one.time for one in self.references], self.grid, side="right") - 1
@@ -213,11 +217,14 @@ class _Run:
             off = np.maximum(np.abs(error.mean(axis=1)), np.abs(measured.std(axis=1) - swing) - 0.5 * swing)
             off[0] = 0.0  # it began at rest
         yield "joint_error", (self.ends, off.max(axis=1), f"module {self.driven[int(off.max(axis=0).argmax())] + 1}")
-        if all(one.rate is not None for one in self.samples):
-            rate, step = self._columns("rate"), np.diff(ticks)[:, np.newaxis]
-            went = np.diff(self._columns("angle"), axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
-            jump = np.nan_to_num(np.where(step < GAP, np.abs(went), 0.0))
-            yield "angle_jump", (ticks[1:], jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
+
+    def _jumps(self) -> Iterator[tuple[str, Found]]:
+        """How far each answer of a module is from the one before it, beside its rate; within a cycle, too."""
+        ticks, rate = self._columns("time"), self._columns("rate")
+        step = np.diff(ticks)[:, np.newaxis]
+        went = np.diff(self._columns("angle"), axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
+        jump = np.nan_to_num(np.where(step < GAP, np.abs(went), 0.0))
+        yield "angle_jump", (ticks[1:], jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
 
     def _motion(self) -> Iterator[tuple[str, Found]]:
         """What the cameras see beside the model: the markers, and speed, sideslip and turning, which may not change."""

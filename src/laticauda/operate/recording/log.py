@@ -250,8 +250,7 @@ def read_operation(path: str | Path) -> OperationLog:
     version = recording.metadata[entries.HEADER]["version"]
     with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
-    own = (entries.HEADER, CLOCK)
-    notes = {name: content for name, content in recording.metadata.items() if name not in own}
+    notes = {name: one for name, one in recording.metadata.items() if name not in (entries.HEADER, CLOCK)}
     read = OperationLog(
         path=Path(path), header=header, version=version, notes=notes, entries=found, lost=recording.lost
     )
