@@ -1,4 +1,4 @@
-"""`python -m laticauda`: the command line, for a Python whose programs are not on the path."""
+"""`python -m laticauda`: the command line, for Python installations whose scripts are not on the path."""
 
 from laticauda.cli import main
 

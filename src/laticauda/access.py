@@ -1,7 +1,7 @@
-"""Who may speak to a server of ours: its own pages, and from other computers whoever has its token.
+"""Access control for laticauda's servers: they answer their own pages and, from other computers, holders of the token.
 
-A browser sends what any page asks it to, also to servers of this computer that nobody else reaches. It says which page
-that was (`Origin`) and which host the page named (`Host`), and a page can make it say nothing else.
+A browser sends any request that a page asks for, even to servers on this computer that nobody else can reach. It states
+which page asked (`Origin`) and which host the page named (`Host`), and a page cannot make it state anything else.
 """
 
 import hmac
@@ -15,29 +15,29 @@ from dataclasses import dataclass, field
 from laticauda.errors import BadArgument, hostname
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
-"""Hosts that are this computer alone."""
+"""Hosts that stand for this computer alone."""
 VARIABLE = "LATICAUDA_TOKEN"
-"""Of the environment: a token to take, on this computer too, instead of one that is made anew."""
+"""Environment variable with a token to use, even on this computer, instead of a newly generated one."""
 
 
 @dataclass(frozen=True)
 class Door:
-    """What a server asks of those who come to it."""
+    """What a server requires of its clients."""
 
     host: str
-    """Where it listens."""
+    """Host on which the server listens."""
     token: str = field(repr=False)
-    """What they have to know; "" if nothing."""
+    """Token that clients must know; "" if none is required."""
 
     @classmethod
     def of(cls, host: str) -> "Door":
-        """The door of a server.
+        """Create the access rules of a server.
 
         Args:
-            host: Where it listens; for any but `LOCAL` there is a token.
+            host: Host on which it listens; any host except those in `LOCAL` requires a token.
 
         Raises:
-            ValueError: If that is no host, or the token of the environment could be guessed or be no part of a URL.
+            ValueError: If `host` is not a host, or the environment's token could be guessed or cannot be part of a URL.
         """
         hostname("host", host)
         given = os.environ.get(VARIABLE, "")
@@ -47,35 +47,35 @@ class Door:
 
     @property
     def warning(self) -> str:
-        """What to say to whoever opens it; "" if there is nothing to say."""
+        """Warning for the person who starts the server; "" if there is none."""
         if self.host in LOCAL:
             return ""
         return f"Whoever reaches {self.host} and has the token is answered; nothing is encrypted, the token neither."
 
     def url(self, port: int) -> str:
-        """The address of its page, with the token.
+        """Return the address of the server's page, including the token.
 
         Args:
-            port: Where it listens.
+            port: Port on which it listens.
         """
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{port}{self.token and f'/{self.token}/'}"
 
     def admits(self, token: object) -> bool:
-        """Whether somebody who says this may speak; it takes as long for any token of a length.
+        """Return whether a client with this token is admitted; the time taken is the same for all tokens of one length.
 
         Args:
-            token: What they say; anything but a text is no token.
+            token: Token given by the client; anything but a text counts as no token.
         """
         said = token if isinstance(token, str) else ""
         return not self.token or hmac.compare_digest(said.encode(errors="replace"), self.token.encode())
 
     def refusal(self, path: str, headers: Callable[[str], list[str]]) -> str:
-        """Why a request of a browser is not answered, in a sentence; "" if it is.
+        """Return why a browser's request is not answered, in a sentence; "" if it is answered.
 
         Args:
-            path: What it asks for, which begins with the token: a page's sockets have the page's address.
-            headers: Gives all values of the request's header with a name.
+            path: Requested path, which begins with the token: a page's sockets have the page's address.
+            headers: Returns all values of the request header with a given name.
         """
         hosts, origins = headers("Host"), headers("Origin")
         if len(hosts) != 1 or not _is_ours(self.host.lower(), hosts[0].lower()):
@@ -88,11 +88,11 @@ class Door:
 
 
 def _is_ours(served: str, given: str) -> bool:
-    """Whether a host names this server; any other name may be one that somebody lets point here for a moment."""
+    """Return whether a host names this server; others may have been pointed here by an attacker for a moment."""
     name = (given.rpartition(":")[0] if given.rpartition(":")[2].isdigit() else given).strip("[]")
     if (name and name == served) or name in LOCAL:
         return True
-    try:  # a number is no name: nobody else's page can be at ours
+    try:  # a number is not a name: nobody else's page can have this server's address
         return served in ("", "0.0.0.0", "::") and bool(ipaddress.ip_address(name))
     except ValueError:
         return False

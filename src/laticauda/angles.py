@@ -13,9 +13,9 @@ def wrap_to_pi(angle: float) -> float: ...
 @overload
 def wrap_to_pi(angle: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-    """The same direction as `angle`, in [-pi, pi).
+    """Return the same direction as `angle`, in [-pi, pi).
 
-    An angle that is already there comes back unchanged, to the last bit; nan stays nan.
+    An angle already in this range is returned unchanged, to the last bit; nan stays nan.
 
     Args:
         angle: Angle, or array of angles of any shape [rad].
@@ -28,7 +28,7 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
         True
     """
     # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the angle.
-    if isinstance(angle, float) and math.isfinite(angle):  # ten times faster than arrays of one, and as exact
+    if isinstance(angle, float) and math.isfinite(angle):  # ten times faster than arrays of one, and just as exact
         return wrapped(angle)
     turn = 2.0 * math.pi
     rest = np.fmod(angle, turn)
@@ -37,7 +37,7 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
 
 
 def wrapped(angle: float) -> float:
-    """The same as `wrap_to_pi` for a finite number, in operations that kernels know.
+    """Return the same as `wrap_to_pi` for a finite number, using only operations that kernels support.
 
     Args:
         angle: Angle [rad].
@@ -48,13 +48,13 @@ def wrapped(angle: float) -> float:
 
 
 def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..."]:
-    """The rotation that a unit quaternion says; of arrays of numbers, those of all samples along the last axes.
+    """Return the rotation matrix of a unit quaternion; for arrays of numbers, with the samples along the last axes.
 
     Args:
-        w: Its real part [-].
-        x: Its first imaginary part [-].
-        y: Its second [-].
-        z: Its third [-].
+        w: Real part [-].
+        x: First imaginary part [-].
+        y: Second imaginary part [-].
+        z: Third imaginary part [-].
     """
     return np.array(
         [
@@ -66,13 +66,13 @@ def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..
 
 
 def to_quaternion(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float, float]:
-    """The unit quaternion (w, x, y, z) of a rotation; no rotation for numbers that are not finite.
+    """Return the unit quaternion (w, x, y, z) of a rotation; the identity if the numbers are not finite.
 
     Args:
-        rotation: A rotation matrix [-].
+        rotation: Rotation matrix [-].
     """
     (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
-    outer = np.array(  # q q', of which the column with the largest diagonal loses no digits
+    outer = np.array(  # q q', whose column with the largest diagonal loses no digits
         [
             [1.0 + a + e + i, h - f, c - g, d - b],
             [h - f, 1.0 + a - e - i, b + d, c + g],

@@ -1,7 +1,7 @@
-"""Which argument of a call has the wrong type, where Python itself would fail somewhere inside.
+"""Error messages that name an argument of the wrong type, where Python itself would fail somewhere inside a call.
 
-Values check themselves, and functions check ranges. What is no robot at all, or no list of them, is seen by its type:
-`explained` looks for it once a call has failed, so that a call that works costs nothing.
+Values validate themselves, and functions check ranges. What is not a robot at all, or not a list of robots, is
+recognized by its type: `explained` looks for it after a call has failed, so that successful calls cost nothing.
 """
 
 import functools
@@ -17,17 +17,17 @@ from typing import Any, cast, get_args, get_origin
 from laticauda.errors import BadArgument
 
 MOST_SEEN = 100
-"""So many items of a list are looked at."""
+"""Number of items of a list that are checked."""
 _MARK = "explained"
-_NUMBERS: dict[Any, type] = {float: Real, int: Integral}  # as Python takes one for the other, and numpy's for both
+_NUMBERS: dict[Any, type] = {float: Real, int: Integral}  # Python accepts one for the other, and NumPy's for both
 
 
 def explained(thing: Any, package: str) -> Any:
-    """The same function or class, but where it fails with an argument of the wrong type, it names that argument.
+    """Wrap a function or class so that a failure due to an argument of the wrong type names that argument.
 
     Args:
-        thing: What is called; what is neither, and a class that checks its fields itself, is left as it is.
-        package: From which users import it.
+        thing: Function or class; anything else, and a class that validates its fields itself, is returned unchanged.
+        package: Package from which users import it.
     """
     if isinstance(thing, types.FunctionType | types.MethodType) or hasattr(thing, "cache_info"):
         return _explained(thing, package)
@@ -37,10 +37,10 @@ def explained(thing: Any, package: str) -> Any:
 
 
 def explain(module: dict[str, Any]) -> None:
-    """The same for every public function and class of a module that users import themselves.
+    """Wrap every public function and class of a module that users import directly.
 
     Args:
-        module: Its `globals()`, when all are there.
+        module: The module's `globals()`, when complete.
     """
     name = module["__name__"]
     for word, thing in list(module.items()):
@@ -50,7 +50,7 @@ def explain(module: dict[str, Any]) -> None:
 
 @functools.cache
 def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]:
-    if hasattr(function, _MARK):  # another package of ours hands it on
+    if hasattr(function, _MARK):  # re-exported by another of our packages
         return function
 
     @functools.wraps(function)
@@ -70,34 +70,34 @@ def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]
 
 
 def _wrong(function: Callable[..., Any], args: tuple[Any, ...], given: Mapping[str, Any]) -> BadArgument | None:
-    """What to say of the first argument that is not of its type; None: all are, or Python says it well itself."""
+    """Return an error for the first argument of the wrong type; None: all are right, or Python's error suffices."""
     plain: Any = inspect.unwrap(function)
     signature = inspect.signature(plain)
     try:
         values = signature.bind(*args, **given).arguments
-    except TypeError:  # too few arguments, say
+    except TypeError:  # too few arguments, for instance
         return None
     for name, value in values.items():
         said = types.SimpleNamespace(__annotations__={name: plain.__annotations__.get(name, Any)})
         try:
             hint = typing.get_type_hints(said, plain.__globals__)[name]
-        except NameError:  # a type that only type checkers know
+        except NameError:  # a type that exists only for type checkers
             continue
-        is_one = "VAR_" not in signature.parameters[name].kind.name  # and not all that are left
+        is_one = "VAR_" not in signature.parameters[name].kind.name  # not *args or **kwargs
         if is_one and (wrong := misfit(name, value, hint)) is not None:
             return wrong
     return None
 
 
 def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
-    """What to say of a value that is not of its type, as far as that can be seen without running through it.
+    """Return an error for a value of the wrong type, as far as this can be seen without iterating over it.
 
     Args:
-        name: Of the argument.
-        value: What was given.
-        hint: What it is annotated with.
+        name: Name of the argument.
+        value: The value given.
+        hint: Annotation of the argument.
     """
-    # What a TypeVar stands for.
+    # Resolve a TypeVar to its constraints or bound.
     any_of: Any = functools.reduce(lambda one, other: one | other, getattr(hint, "__constraints__", ()) or (hint,))
     hint = getattr(hint, "__bound__", None) or any_of
     kind, inner = get_origin(hint) or hint, get_args(hint)
@@ -112,7 +112,7 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
     elif getattr(kind, "_is_protocol", False):
         is_right = all(hasattr(value, word) for word in dir(kind) if not word.startswith("_"))
     else:
-        is_right = isinstance(value, kind) and not (inner and isinstance(value, str))  # a text is no list of texts
+        is_right = isinstance(value, kind) and not (inner and isinstance(value, str))  # a text is not a list of texts
     if not is_right:
         wanted = re.sub(r"\b(?:\w+\.)+(?=\w)", "", inspect.formatannotation(hint)).replace(" | ", " or ")
         return BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")

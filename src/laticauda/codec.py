@@ -1,16 +1,16 @@
-"""Between values and the plain tables of TOML and JSON, by the types of their fields alone; it knows no class.
+"""Conversion between values and the plain tables of TOML and JSON, based only on field types; it knows no classes.
 
-`decode` is strict: what it does not know or cannot use, it refuses with the key and the rule. `encode` is its inverse.
-A table has the fields of a class as keys, and says them shorter in these ways:
+`decode` is strict: anything unknown or unusable is rejected with the key and the rule. `encode` is its inverse.
+A table has the fields of a class as keys, with these short forms:
 
 - a number in rad or rad/s may be given in degrees, under its name with ``_deg`` or ``_deg_s``;
-- where several classes will do (a union, or those of an `Extensible` base), the key ``kind`` tells which; a text in the
-  place of the table is that kind with its defaults;
+- where several classes are possible (a union, or an `Extensible` base), the key ``kind`` selects one; a text in place
+  of the table is that kind with its defaults;
 - entries of a list of a class that is `counted` may have a ``count``; keys that the class lists under that name may be
-  lists, which the ``count`` objects go through again and again.
+  lists, through which the ``count`` objects cycle.
 
-A class may name the keys of older files in `former`, and where each of them stands now; "" for nowhere; or a function
-that makes of such a table one of today. What came with version 0.1 stands in ``codec.toml``, by the name of the class.
+A class may list the keys of older files in `former`, each with its current place ("" for none), or provide a function
+that converts such a table to the current form. Those of version 0.1 are in ``codec.toml``, by class name.
 """
 
 import math
@@ -32,22 +32,22 @@ Table: TypeAlias = dict[str, Any]
 T = TypeVar("T")
 
 FORMAT = 2
-"""Of the files that are written; grows when their keys change. Version 0.1 wrote none, which counts as today's."""
+"""Format of the files written; increases when their keys change. Version 0.1 wrote none, which counts as current."""
 OLDER: Mapping[str, dict[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-MOST_COUNTED = 1000  # a slip of the finger must not fill the memory
+MOST_COUNTED = 1000  # a typing error must not fill the memory
 
 
 class BadKey(BadArgument):
-    """A key of a file that breaks a rule, named from the top of the file; the reader of the file says which file."""
+    """A key of a file that breaks a rule, given as its path from the top level; the reader adds the file's name."""
 
 
 @contextmanager
 def keys_of(file: object, error: type[Exception]) -> Generator[None]:
-    """Within it, a `BadKey` becomes an error that names the file, too.
+    """Convert a `BadKey` raised within this context to an error that also names the file.
 
     Args:
-        file: What messages call it.
-        error: The class of the error.
+        file: Name of the file in messages.
+        error: Class of the new error.
     """
     try:
         yield
@@ -61,7 +61,7 @@ _keeps_unknown = ContextVar("_keeps_unknown", default=False)
 
 @contextmanager
 def keeping_unknown() -> Generator[None]:
-    """Within it, a `kind` that no member of an `Extensible` base has is kept as a stand-in, and not refused."""
+    """Within this context, keep an unknown `kind` of an `Extensible` base as a stand-in instead of rejecting it."""
     before = _keeps_unknown.set(True)
     try:
         yield
@@ -74,19 +74,19 @@ def decode(hint: type[T], value: object, at: str = "", default: object = ...) ->
 @overload
 def decode(hint: Any, value: object, at: str = "", default: object = ...) -> Any: ...
 def decode(hint: Any, value: object, at: str = "", default: object = None) -> Any:
-    """What a value of a file is as a field of this type; what is no table is left for its class to check.
+    """Convert a value from a file to a field of the given type; its class checks values that are not tables.
 
     Args:
-        hint: The type: a dataclass, or what a field of one is annotated with.
-        value: As TOML or JSON gives it.
-        at: Where it stands in the file, "" for the top.
-        default: Of the field; a table that does not say its `kind` is of this one's.
+        hint: The type: a dataclass, or the annotation of one of its fields.
+        value: Value as returned by a TOML or JSON reader.
+        at: Path to the value in the file, "" for the top level.
+        default: Default of the field; a table without `kind` has the kind of this default.
 
     Raises:
         BadKey: If a key is unknown, missing, of the wrong type or out of range.
     """
     if is_dataclass(value) or isinstance(value, Unknown):
-        return value  # made already
+        return value  # already converted
     find = _kinds(hint)
     if find is not None:
         return _member(find, value, at, default, get_origin(hint) or hint)
@@ -101,7 +101,7 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
             return tuple(decode(kind, one) for one in things)
     if origin in (types.UnionType, Union):
         holds = [one for one in inner if is_dataclass(one) or _kinds(one) is not None]
-        # Beside numbers, only these are for an object.
+        # Where numbers are possible too, only these stand for an object.
         is_table = several is None or any(isinstance(value, kind) for kind in (dict, Mapping, str))
         return decode(holds[0], value, at) if holds and value is not None and is_table else value
     if origin is tuple and (is_dataclass(inner[0]) or _kinds(inner[0]) is not None):
@@ -113,14 +113,14 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
 
 
 def table_of(value: object, at: str) -> Table:
-    """`value` if it is a table.
+    """Return `value` as a table if it is one.
 
     Args:
-        value: What a file or a call gives.
-        at: The way to it, for the message.
+        value: Value from a file or a call.
+        at: Path to it, for the message.
 
     Raises:
-        BadKey: If it is not.
+        BadKey: If it is not a table.
     """
     if not isinstance(value, Mapping):
         raise BadKey(at, f"must be a table, got {shown(value)}")
@@ -128,24 +128,24 @@ def table_of(value: object, at: str) -> Table:
 
 
 def stamped(kind: str, table: Mapping[str, Any]) -> Table:
-    """A table with what a file says first: what it is, and in which format.
+    """Return a table that starts with the header of a file: its kind and its format.
 
     Args:
-        kind: What the file is of, as `robot`.
-        table: What else stands in it.
+        kind: Kind of the file's content, such as `robot`.
+        table: The remaining content.
     """
     return {"kind": kind, "format": FORMAT, **table}
 
 
 def take_kind(table: Table, *kinds: str) -> str:
-    """Take from the table of a file what it says first, and say what it is.
+    """Remove the header from the table of a file, and return the kind.
 
     Args:
-        table: The whole file; ``kind`` and ``format`` are taken away. Without a format, it is today's.
-        kinds: What it may be.
+        table: The whole file; ``kind`` and ``format`` are removed. Without a format, the current one is assumed.
+        kinds: Accepted kinds.
 
     Raises:
-        BadKey: If it is none of these, or of a format of the future.
+        BadKey: If it is of another kind, or of a newer format.
     """
     listed = ", ".join(f'"{word}"' for word in kinds)
     rule = f"must be {listed} here" if len(kinds) == 1 else f"must be one of {listed}"
@@ -161,15 +161,15 @@ def take_kind(table: Table, *kinds: str) -> str:
 
 
 def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = "") -> None:
-    """Refuse a key that is not among the `allowed`, with the nearest of them.
+    """Reject keys that are not among the `allowed`, suggesting the nearest one.
 
     Args:
-        table: What a file or a call gives.
-        allowed: The keys that are known.
-        at: The way to the table, for the message; "" is the outermost.
+        table: Table from a file or a call.
+        allowed: Known keys.
+        at: Path to the table, for the message; "" for the top level.
 
     Raises:
-        BadKey: If there is one, or `table` is none.
+        BadKey: If there is an unknown key, or `table` is not a table.
     """
     for key in table_of(table, at):
         if key not in allowed:
@@ -179,10 +179,10 @@ def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = ""
 
 @contextmanager
 def arguments_of(at: str) -> Generator[None]:
-    """Within it, a complaint about an argument becomes one about a key of the file.
+    """Convert an error about an argument raised within this context to one about a key of the file.
 
     Args:
-        at: Where the keys stand.
+        at: Path to the table that holds the keys.
     """
     try:
         yield
@@ -195,11 +195,11 @@ def arguments_of(at: str) -> Generator[None]:
 
 
 def merged(common: Table, own: Table) -> Table:
-    """A table with what differs put over it, table by table.
+    """Merge two tables recursively; the second one takes precedence.
 
     Args:
-        common: What holds where the other says nothing.
-        own: What differs.
+        common: Values used where the other table has none.
+        own: Values that differ.
     """
     found = dict(common)
     for key, value in own.items():
@@ -209,31 +209,31 @@ def merged(common: Table, own: Table) -> Table:
 
 
 def join(at: str, key: str) -> str:
-    """The way to a key of the table at `at`.
+    """Return the path to a key of the table at `at`.
 
     Args:
-        at: The way to the table; "" is the outermost.
+        at: Path to the table; "" for the top level.
         key: One of its keys.
     """
     return f"{at}.{key}" if at else key
 
 
 def updated(held: T, table: object, at: str = "") -> T:
-    """A dataclass with what a table says otherwise; a table in it changes the value there, unless of another `kind`.
+    """Return a dataclass updated from a table; nested tables update nested values, unless they have another `kind`.
 
     Args:
-        held: The dataclass as it is.
+        held: The original dataclass.
         table: Keys and values that differ.
-        at: The way to the table, for the message.
+        at: Path to the table, for the message.
 
     Raises:
-        BadKey: If a key is unknown, or its value will not do.
+        BadKey: If a key is unknown, or its value is invalid.
     """
     return _object(type(held), table_of(table, at), at, held)
 
 
 def _object(kind: type[Any], table: Table, at: str, held: Any = None) -> Any:
-    """An object of this class; what the table does not say is as in the one that is `held`, if any."""
+    """Create an object of this class; fields missing from the table are taken from `held`, if given."""
     table = with_new_names(kind, table)
     hints, degrees = hints_of(kind), degrees_of(kind)
     check_keys(table, [*hints, *degrees], at)
@@ -256,7 +256,7 @@ def _object(kind: type[Any], table: Table, at: str, held: Any = None) -> Any:
 
 
 def _is_of(given: Any, held: Any) -> bool:
-    """Whether a table is about the value that is held, and not about one of another kind."""
+    """Return whether a table describes the value that is held, rather than one of another kind."""
     if not isinstance(given, Mapping) or not is_dataclass(held):
         return False
     own, table = name_of(cast(type, type(held))), cast("Table", given)
@@ -264,11 +264,11 @@ def _is_of(given: Any, held: Any) -> bool:
 
 
 def with_new_names(kind: type, table: Table) -> Table:
-    """A table of an older file with the keys of today, for an object of class `kind`.
+    """Return a table of an older file with the current keys, for an object of class `kind`.
 
     Args:
-        kind: The class that the table is of; its `former`, if it has one, says what is new.
-        table: As the file has it.
+        kind: Class that the table describes; its `former`, if any, defines the changes.
+        table: Table as in the file.
     """
     former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", OLDER.get(kind.__name__, {}))
     if callable(former):
@@ -287,7 +287,7 @@ def with_new_names(kind: type, table: Table) -> Table:
 
 
 def _kinds(hint: Any) -> Callable[[Any], type] | None:
-    """What finds the class that a table's `kind` says, in its own words; None: the type leaves no choice."""
+    """Return a function that finds the class named by a table's `kind`; None: the type leaves no choice."""
     base = get_origin(hint) or hint
     if isinstance(base, type) and Extensible in base.__bases__:
         group: type[Extensible] = base
@@ -315,7 +315,7 @@ def _member(find: Callable[[Any], type], value: object, at: str, default: object
 
 
 def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
-    """The objects that one entry of a list stands for."""
+    """Return the objects that one entry of a list stands for."""
     cycled: tuple[str, ...] | None = getattr(hint, "counted", None)
     if cycled is None:
         return [decode(hint, entry, at)]
@@ -332,18 +332,18 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
 
 
 def encode(value: Any, hint: Any = None) -> Any:
-    """What `decode` turns back into an equal value.
+    """Return data that `decode` converts back to an equal value.
 
-    Fields that are zero, infinite, empty or absent by default are left out where they are so; all others are written,
-    so that a file keeps its meaning when a default changes.
+    Fields that are zero, infinite, empty or absent by default are omitted if they have that value; all others are
+    written, so that a file keeps its meaning when a default changes.
 
     Args:
-        value: A dataclass, or what a field of one holds.
-        hint: Its type, where the value alone does not tell what `decode` will be given; None: its own class.
+        value: A dataclass, or the value of one of its fields.
+        hint: Its type, if the value alone does not determine what `decode` will be given; None: its own class.
     """
     if is_dataclass(value):
         thing: Any = value
-        has_kind = _kinds(hint) is not None or any(  # of `X | None` too, but in `X | Y` of that which it is
+        has_kind = _kinds(hint) is not None or any(  # also for `X | None`, but in `X | Y` for the matching type
             _kinds(one) is not None and isinstance(value, get_origin(one) or one) for one in get_args(hint)
         )
         return {**({"kind": name_of(thing.__class__)} if has_kind else {}), **_table(thing)}
@@ -368,18 +368,18 @@ def _table(thing: Any) -> Table:
     for field in fields(kind):
         value = getattr(thing, field.name)
         if value is None or (value == field.default and (not value or value == math.inf)):
-            continue  # JSON knows no infinity
+            continue  # JSON has no infinity
         name, written = field.name, encode(value, hints[field.name])
         if written == {} and field.default_factory is not MISSING:
             continue
         if name in degrees and isinstance(value, float) and math.radians(round(math.degrees(value), 9)) == value:
-            name, written = degrees[name], round(math.degrees(value), 9)  # the very same number
+            name, written = degrees[name], round(math.degrees(value), 9)  # converts back to exactly the same number
         table[name] = written
     return table
 
 
 def _counted(things: Sequence[Any], cycled: tuple[str, ...]) -> list[Table]:
-    """One entry per run of things that are alike but for what their class lists as going through in turn."""
+    """Return one entry per run of objects that are alike except for the fields that their class lists as cycling."""
     entries: list[Table] = []
     first = {key: getattr(things[0], key) for key in cycled}
     for _, group in groupby(things, key=lambda thing: replace(thing, **first)):

@@ -1,11 +1,11 @@
 """The errors of laticauda, and the checks that raise them.
 
-A bad argument is a `ValueError` that names the argument, the rule with its unit and the value it got.
-What goes wrong in the world, and not in an argument, derives from `LaticaudaError`.
+A bad argument is a `ValueError` that names the argument, the rule with its unit and the value received.
+Errors caused by the outside world rather than by an argument derive from `LaticaudaError`.
 Each check returns the cleaned value, so that a dataclass can check and convert in one line.
-Packages that come with one of laticauda's extras are imported when they are first needed, and not before; where one is
-missing, the error says what to install. Processes that such an import starts, and our own workers, are deaf to Ctrl-C:
-the error of it is for this process.
+Packages that belong to one of laticauda's extras are imported when they are first needed, and not before; if one is
+missing, the error states what to install. Processes started by such an import, and laticauda's own workers, ignore
+Ctrl-C: it is handled by this process.
 """
 
 import math
@@ -19,15 +19,15 @@ from typing import Any
 
 
 class LaticaudaError(Exception):
-    """Base of everything that laticauda raises, apart from the `ValueError` for a bad argument."""
+    """Base of all errors raised by laticauda, apart from the `ValueError` for a bad argument."""
 
 
 class BadArgument(ValueError):
-    """An argument breaks a rule: a sentence for people, and its parts for those who know the argument by another name.
+    """An argument that breaks a rule: a sentence for people, and its parts for callers that name it differently.
 
     Args:
-        name: Of the argument.
-        rule: The rule with its unit, and the value got, without a full stop.
+        name: Name of the argument.
+        rule: The rule with its unit, and the value received, without a final period.
     """
 
     def __init__(self, name: str, rule: str) -> None:
@@ -35,88 +35,88 @@ class BadArgument(ValueError):
 
     @property
     def name(self) -> str:
-        """Of the argument, with an index in brackets where it is one of several."""
+        """Name of the argument, with an index in brackets if it is one of several."""
         return self.args[0]
 
     @property
     def rule(self) -> str:
-        """The rule with its unit, and the value got, without a full stop."""
+        """The rule with its unit, and the value received, without a final period."""
         return self.args[1]
 
     def __str__(self) -> str:
-        """The sentence that the user reads."""
+        """Return the sentence shown to the user."""
         return f"`{self.name}` {self.rule}{'' if self.rule.endswith('?') else '.'}"
 
 
 class SimulationFailed(LaticaudaError, RuntimeError):
-    """A run blew up: it says when, and what to try."""
+    """A run that blew up: the message states when, and what to try."""
 
 
 class TrialFileError(LaticaudaError, ValueError):
-    """A trial file cannot be read: it says which file, and why."""
+    """A trial file that cannot be read: the message states which file, and why."""
 
 
 class RobotFileError(LaticaudaError, ValueError):
-    """A robot, water, ground or parameter file is wrong: it says which file, key, rule and value."""
+    """A wrong robot, water, ground or parameter file: the message states the file, key, rule and value."""
 
 
 class StorageFailed(LaticaudaError, OSError):
-    """Results cannot be written or read, the disk is full for instance: it says where, why, and what is left."""
+    """Results that cannot be written or read, as on a full disk: the message states where, why, and what is left."""
 
 
 class ClusterFailed(LaticaudaError, RuntimeError):
-    """A cluster of computers does not do its work: it says which, what happened, and what is left."""
+    """A failure of a computer cluster: the message states which one, what happened, and what is left."""
 
 
 class MissingExtra(LaticaudaError, ImportError):
-    """A feature needs a package that comes with one of laticauda's extras.
+    """A feature that needs a package belonging to one of laticauda's extras.
 
     Args:
-        feature: What was asked for, in words.
-        package: The package that it needs.
-        extra: The extra of laticauda that installs the package.
+        feature: Requested feature, in words.
+        package: Required package.
+        extra: Extra of laticauda that installs the package.
     """
 
     def __init__(self, feature: str, package: str, extra: str) -> None:
-        # All three become `args`: an error that crosses a process boundary is rebuilt from them.
+        # All three are stored in `args`: an error that crosses a process boundary is rebuilt from them.
         super().__init__(feature, package, extra)
 
     def __str__(self) -> str:
-        """The sentence that the user reads."""
+        """Return the sentence shown to the user."""
         feature, package, extra = self.args
         return f'{feature} needs {package}; run `pip install "laticauda[{extra}]"`.'
 
 
 class MissingProgram(LaticaudaError, RuntimeError):
-    """A feature needs something that the operating system does not have.
+    """A feature that needs something that the operating system does not have.
 
     Args:
-        feature: What was asked for, in words.
+        feature: Requested feature, in words.
         thing: What it needs.
-        packages: The packages of Debian and Ubuntu that install it.
+        packages: Packages of Debian and Ubuntu that install it.
     """
 
     def __init__(self, feature: str, thing: str, packages: str) -> None:
         super().__init__(feature, thing, packages)
 
     def __str__(self) -> str:
-        """The sentence that the user reads."""
+        """Return the sentence shown to the user."""
         feature, thing, packages = self.args
         return f"{feature} needs {thing}; on Debian and Ubuntu run `apt-get install {packages}`."
 
 
 def finite(name: str, value: object, unit: str = "") -> float:
-    """Return `value` as a float if it is one finite number.
+    """Return `value` as a float if it is a single finite number.
 
-    Numbers of numpy are as good as Python's. A truth value, a text, an array, nan and the infinities are refused.
+    NumPy numbers are accepted like Python's. Truth values, texts, arrays, nan and infinities are rejected.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        unit: The unit that the argument is in, "" for a pure number.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        unit: Unit of the argument, "" for a pure number.
 
     Raises:
-        ValueError: If `value` is no finite number.
+        ValueError: If `value` is not a finite number.
     """
     in_unit = f" in {unit}" if unit else ""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -134,9 +134,9 @@ def positive(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number > 0.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        unit: The unit that the argument is in, "" for a pure number.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        unit: Unit of the argument, "" for a pure number.
 
     Raises:
         ValueError: If it is not.
@@ -151,9 +151,9 @@ def not_negative(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number >= 0.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        unit: The unit that the argument is in, "" for a pure number.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        unit: Unit of the argument, "" for a pure number.
 
     Raises:
         ValueError: If it is not.
@@ -168,14 +168,14 @@ def within(name: str, value: object, low: float, high: float, unit: str = "") ->
     """Return `value` as a float if `low <= value <= high`.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        low: The smallest number that is accepted.
-        high: The largest one.
-        unit: The unit that the argument is in, "" for a pure number.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        low: Smallest accepted number.
+        high: Largest accepted number.
+        unit: Unit of the argument, "" for a pure number.
 
     Raises:
-        ValueError: If it is no finite number, or out of the range.
+        ValueError: If it is not a finite number, or out of range.
     """
     number = finite(name, value, unit)
     if not low <= number <= high:
@@ -187,13 +187,13 @@ def whole(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
     """Return `value` as an int if it is a whole number >= `least`.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        least: The smallest number that is accepted.
-        most: The largest one; what is larger than any memory is a slip everywhere.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        least: Smallest accepted number.
+        most: Largest accepted number; a number beyond any memory size is always a mistake.
 
     Raises:
-        ValueError: If `value` is no integer (2.0 is none either), or out of the range.
+        ValueError: If `value` is not an integer (2.0 is not one either), or out of range.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise BadArgument(name, f"must be a whole number >= {least}, got {shown(value)}")
@@ -207,9 +207,9 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     """Return `value` if it is one of the texts in `choices`.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        choices: The texts that are accepted.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        choices: Accepted texts.
 
     Raises:
         ValueError: If it is not; the message lists the choices and suggests the nearest.
@@ -222,12 +222,12 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
 
 
 def at_least_one(name: str, given: Sized, thing: str) -> None:
-    """Refuse a list or a mapping with nothing in it.
+    """Reject an empty list or mapping.
 
     Args:
-        name: The argument's name, as its user knows it.
-        given: What was given.
-        thing: What it is to hold, in a word.
+        name: Name of the argument, as the user knows it.
+        given: The list or mapping given.
+        thing: What it must hold, in a word.
 
     Raises:
         ValueError: If it is empty.
@@ -237,12 +237,12 @@ def at_least_one(name: str, given: Sized, thing: str) -> None:
 
 
 def instance(name: str, value: object, *kinds: type) -> object:
-    """Return `value` if it is an object of one of these classes.
+    """Return `value` if it is an instance of one of these classes.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
-        kinds: The classes that will do.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
+        kinds: Accepted classes.
 
     Raises:
         ValueError: If it is not.
@@ -254,11 +254,11 @@ def instance(name: str, value: object, *kinds: type) -> object:
 
 
 def flag(name: str, value: object) -> bool:
-    """Return `value` if it is true or false, and nothing that merely looks like it.
+    """Return `value` if it is a truth value, not just something that looks like one.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
 
     Raises:
         ValueError: If it is not.
@@ -272,8 +272,8 @@ def text(name: str, value: object) -> str:
     """Return `value` if it is a text.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
 
     Raises:
         ValueError: If it is not.
@@ -284,11 +284,11 @@ def text(name: str, value: object) -> str:
 
 
 def label(name: str, value: object) -> str:
-    """Return `value` if it can serve as a name: one line that is not blank.
+    """Return `value` if it can serve as a name: a single line that is not blank.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
 
     Raises:
         ValueError: If it cannot.
@@ -300,11 +300,11 @@ def label(name: str, value: object) -> str:
 
 
 def hostname(name: str, value: object) -> str:
-    """Return `value` if it can be a host's name or address.
+    """Return `value` if it can be the name or address of a host.
 
     Args:
-        name: The argument's name, as its user knows it.
-        value: What was given.
+        name: Name of the argument, as the user knows it.
+        value: The value given.
 
     Raises:
         ValueError: If it cannot.
@@ -318,11 +318,11 @@ def hostname(name: str, value: object) -> str:
 
 
 def nearest(word: str, choices: Sequence[str]) -> str:
-    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near.
+    """Return the end of a message about a mistyped `word`: "; did you mean `x`?", or "" if none of `choices` is close.
 
     Args:
-        word: What was typed.
-        choices: What is known.
+        word: The word as typed.
+        choices: Known words.
     """
     import difflib
 
@@ -332,7 +332,7 @@ def nearest(word: str, choices: Sequence[str]) -> str:
 
 
 def _plain(word: str) -> str:
-    """`word` without what people mix up: capitals, hyphens and underscores."""
+    """Return `word` without differences that people confuse: capitals, hyphens and underscores."""
     return word.casefold().replace("-", "_")
 
 
@@ -341,11 +341,11 @@ def _spaced(unit: str) -> str:
 
 
 def shown(value: object) -> str:
-    """`value` as a message shows it: on one line, and short; of an array its shape."""
+    """Return `value` as shown in a message: on one line, and short; for an array, its shape."""
     shape = getattr(value, "shape", ())
     if shape:
         return f"an array of shape {shape}"
-    if isinstance(value, Real):  # numpy's numbers read like Python's
+    if isinstance(value, Real):  # NumPy's numbers look like Python's
         return str(value)
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
@@ -355,19 +355,19 @@ def shown(value: object) -> str:
 
 
 def optional_import(feature: str, package: str, extra: str, module: str | None = None) -> Any:
-    """A module that may not be installed.
+    """Import a module that may not be installed.
 
     Args:
-        feature: What needs it, in words.
-        package: The package as the user knows it.
-        extra: The extra of laticauda that installs the package.
-        module: As it is imported; None: the package's name.
+        feature: Feature that needs it, in words.
+        package: Name of the package, as the user knows it.
+        extra: Extra of laticauda that installs the package.
+        module: Name under which it is imported; None: the package's name.
 
     Returns:
-        The module. Where the package has no types, what comes from it is `Any`.
+        The module. If the package has no types, everything from it is `Any`.
 
     Raises:
-        MissingExtra: If it is not installed.
+        MissingExtra: If the package is not installed.
     """
     try:
         return import_module(module or package)
@@ -376,18 +376,18 @@ def optional_import(feature: str, package: str, extra: str, module: str | None =
 
 
 def load_mujoco() -> Any:
-    """The module `mujoco`. It has no types, so what comes from it is `Any` here.
+    """Import the module `mujoco`. It has no types, so everything from it is `Any` here.
 
     Raises:
-        MissingExtra: If it is not installed.
+        MissingExtra: If the package is not installed.
     """
-    with deaf():  # one of its imports asks Python in other processes, which would answer Ctrl-C with a traceback
+    with deaf():  # one of its imports runs Python in other processes, which would answer Ctrl-C with a traceback
         return optional_import("The 3D model", "MuJoCo", "spatial", "mujoco")
 
 
 @contextmanager
 def deaf() -> Generator[None]:
-    """Ctrl-C waits until the end of this, and is for this process: those started here never get to know of it."""
+    """Defer Ctrl-C to the end of this context, and to this process: processes started within it never receive it."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

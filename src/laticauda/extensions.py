@@ -1,8 +1,8 @@
-"""What others may add to: a base class whose subclasses are known by name, wherever they are defined.
+"""Extension points: base classes whose subclasses are found by name, wherever they are defined.
 
-A drag law, a joint law, an envelope, a controller is a class below such a base. Its name in files, flags and messages
-is its class's name with hyphens. It is found if it comes with the package, has been defined or imported by this
-process, or is an entry point of an installed package; nothing that a file names is imported for it.
+Drag laws, joint laws, envelopes and controllers are subclasses of such a base. The name of a subclass in files, flags
+and messages is its class name with hyphens. It is found if it comes with the package, was defined or imported by this
+process, or is an entry point of an installed package; nothing named in a file is imported because of it.
 """
 
 import functools
@@ -17,46 +17,46 @@ from typing import Any, ClassVar, Self
 from laticauda.errors import BadArgument, nearest
 
 ENTRY_POINTS = "laticauda."
-"""What the entry-point groups begin with; the group of drag laws is ``laticauda.drag_laws``."""
+"""Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
 HOMES: Mapping[str, Mapping[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-"""By group, the module of every member that comes with the package and is imported only when it is asked for."""
+"""By group, the module of every member that comes with the package and is imported only on demand."""
 
 
 class Extensible:
-    """Base of such a base; that one names its group.
+    """Base class of extension points; each extension point names its group.
 
     class DragLaw(Extensible, group="drag_laws"): ...
     class PathFollowing(Controller): ...      # known as path-following
     """
 
     group: ClassVar[str]
-    """Of entry points, without `ENTRY_POINTS`."""
+    """Group of entry points, without `ENTRY_POINTS`."""
     _known: ClassVar[dict[str, type]]
     _homes: ClassVar[Mapping[str, str]]
 
     def __init_subclass__(cls, *, group: str | None = None, **rest: Any) -> None:
-        """Found a group, or join that of the base.
+        """Create a new group, or join the group of the base.
 
         Args:
-            group: Given by the base of a new group.
-            rest: For other bases.
+            group: Name of the group; given by the base of a new group.
+            rest: Arguments for other bases.
         """
         super().__init_subclass__(**rest)
         if group is not None:
             cls.group, cls._homes = group, HOMES.get(group, {})
-            cls._known = {name_of(cls): cls} if "called" in vars(cls) else {}  # a base with a name is one of them
+            cls._known = {name_of(cls): cls} if "called" in vars(cls) else {}  # a base with a name is itself a member
         elif not cls.__name__.startswith("_"):
             cls._known[name_of(cls)] = cls
 
     @classmethod
     def named(cls, name: str) -> type[Self]:
-        """The member of this group with a name.
+        """Return the member of this group with a given name.
 
         Args:
-            name: As `kind` says it in files.
+            name: Name, as in the key `kind` of files.
 
         Raises:
-            ValueError: If there is none; the message lists those that are known.
+            ValueError: If there is no such member; the message lists the known ones.
         """
         if name in cls._homes and name not in cls._known:
             import_module(cls._homes[name])
@@ -70,11 +70,11 @@ class Extensible:
 
     @classmethod
     def stand_in(cls, name: str, table: Mapping[str, Any]) -> Self:
-        """What takes the place of a member that a file names and nobody here defines: it is kept, and can do nothing.
+        """Return a stand-in for a member that a file names but that is undefined here: it is kept, and can do nothing.
 
         Args:
-            name: What the file calls it.
-            table: What else the file says of it.
+            name: Name of the member in the file.
+            table: Everything else that the file states about it.
         """
         made: Any = object.__new__(_stand_in(cls, name))
         made.__dict__ |= {"kind": name, "table": dict(table)}
@@ -82,15 +82,15 @@ class Extensible:
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
-        """The names of all members of this group, those of the package first."""
+        """Return the names of all members of this group, those of the package first."""
         return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
 
 
 def above(name: str) -> Any:
-    """A function of a package that those who call it stand below, and must not import; see `extensions.toml`.
+    """Return a function from a higher layer, which its callers must not import directly; see `extensions.toml`.
 
     Args:
-        name: What it is called there.
+        name: Name of the function in that file.
     """
     module, _, function = HOMES["above"][name].partition(":")
     return getattr(import_module(module), function)
@@ -112,22 +112,22 @@ class Unknown:
         return f"<{self.kind}, which nobody here defines>"
 
     def __call__(self, *_: object) -> Any:
-        """Refuse to stand in for a formula."""
+        """Raise an error: a stand-in cannot replace a formula."""
         raise ValueError(f"`{self.kind}` is not known here: nobody has defined it; import the module that does.")
 
     @property
     def written(self) -> dict[str, Any]:
-        """As the file had it."""
+        """Content as it was in the file."""
         return {"kind": self.kind, **self.table}
 
     @property
     def formula(self) -> Any:
-        """Refuse likewise."""
+        """Raises an error: a stand-in has no formula."""
         return self()
 
     @property
     def words(self) -> str:
-        """What it is, for people."""
+        """Description for people."""
         return repr(self).strip("<>")
 
 
@@ -137,7 +137,7 @@ def _stand_in(base: type[Any], name: str) -> type[Any]:
 
 
 def name_of(kind: type) -> str:
-    """What files, flags and messages call a class: TotalSpeedDrag is total-speed-drag.
+    """Return the name of a class in files, flags and messages: TotalSpeedDrag is total-speed-drag.
 
     Args:
         kind: The class.

@@ -1,4 +1,4 @@
-"""Reading and writing of files: texts of bounded size, TOML, files that are replaced as a whole, and locks."""
+"""Reading and writing of files: texts of limited size, TOML, files that are replaced as a whole, and locks."""
 
 import csv
 import errno
@@ -19,43 +19,43 @@ from laticauda.errors import LaticaudaError, StorageFailed
 from laticauda.extensions import Unknown
 
 MOST_BYTES = 1 << 26
-"""A text that a person or a program wrote for us is not longer than this."""
+"""Maximum size in bytes of a text written by a person or a program."""
 MOST_DATA = 1 << 32
-"""Nor is a table or a trial longer than this."""
+"""Maximum size in bytes of a table or a trial."""
 _HOST = f"{zlib.crc32(platform.node().encode()):08x}"
 
 
 def local(path: str | os.PathLike[str]) -> Path:
-    """A place on this computer: object stores have neither the locks nor the renaming that files are kept by.
+    """Return a path on this computer; object stores lack the locks and the renaming that writing files relies on.
 
     Args:
-        path: What was given.
+        path: The path given.
 
     Raises:
-        StorageFailed: If it is empty, or an address, as `s3://bucket/sweep`.
+        StorageFailed: If it is empty, or an address, such as `s3://bucket/sweep`.
     """
     place = Path(path)
     if str(path) == "":
         raise StorageFailed("'': an empty text is the name of no file")
-    if place.parts and place.parts[0][2:].endswith(":"):  # a drive's name has one letter
+    if place.parts and place.parts[0][2:].endswith(":"):  # a drive name has a single letter
         shown = str(path).replace("://", ":/").replace(":/", "://")  # a path has lost a slash
         raise StorageFailed(f"{shown}: is an address; give a path on this computer, and copy from or to there besides")
     return place
 
 
 def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
-    """All of a file, of data that a program wrote.
+    """Read all of a data file written by a program.
 
     Args:
-        path: Of the file.
-        most_bytes: A longer file is refused, before it fills the memory.
+        path: Path of the file.
+        most_bytes: Maximum size; a larger file is rejected before it fills the memory.
 
     Raises:
-        OSError: If it cannot be read, or is longer.
+        OSError: If the file cannot be read, or is larger.
     """
     with local(path).open("rb") as file:
-        size = os.fstat(file.fileno()).st_size  # room for all of it is asked for at once
-        most_bytes = most_bytes if size else min(most_bytes, MOST_BYTES)  # a device has no size, and maybe no end
+        size = os.fstat(file.fileno()).st_size  # memory for all of it is requested at once
+        most_bytes = most_bytes if size else min(most_bytes, MOST_BYTES)  # a device has no size, and perhaps no end
         content = file.read(min(size or most_bytes, most_bytes) + 1)
     if len(content) > most_bytes:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
@@ -69,16 +69,16 @@ def read_text(
     missing: type[LaticaudaError] | None = None,
     most_bytes: int = MOST_BYTES,
 ) -> str:
-    """The text of a file; a byte-order mark at its beginning is left out.
+    """Read the text of a file, without a byte-order mark at its beginning.
 
     Args:
-        path: Of the file.
-        error: What is raised if it cannot be read; the message says which file and why.
-        missing: The same for a file that is not there; None: `error`.
-        most_bytes: A longer file is refused, before it fills the memory.
+        path: Path of the file.
+        error: Error raised if the file cannot be read; the message states which file and why.
+        missing: Error raised if the file does not exist; None: `error`.
+        most_bytes: Maximum size; a larger file is rejected before it fills the memory.
 
     Raises:
-        LaticaudaError: As `error` says.
+        LaticaudaError: The error given as `error` or `missing`.
     """
     local(path)
     try:
@@ -98,33 +98,33 @@ def read_text(
 
 
 def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFailed) -> dict[str, Any]:
-    """The table that a TOML text holds.
+    """Parse a TOML text.
 
     Args:
-        text: What to parse.
-        shown: What messages call it.
-        error: What is raised if it is no TOML.
+        text: Text to parse.
+        shown: Name of the text in messages.
+        error: Error raised if the text is not TOML.
 
     Raises:
-        LaticaudaError: As `error` says.
+        LaticaudaError: The error given as `error`.
     """
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise error(f"{shown}: is not valid TOML: nested too deeply") from None
-    except ValueError as failure:  # also a number of more digits than Python reads
+    except ValueError as failure:  # also for a number with more digits than Python reads
         raise error(f"{shown}: is not valid TOML: {failure}") from None
 
 
 def read_toml(
     path: str | Path, error: type[LaticaudaError] = StorageFailed, *, missing: type[LaticaudaError] | None = None
 ) -> dict[str, Any]:
-    """The table in a TOML file.
+    """Read the table in a TOML file.
 
     Args:
-        path: Of the file.
-        error: What is raised if it cannot be read or is no TOML; the message says which file and why.
-        missing: The same for a file that is not there; None: `error`.
+        path: Path of the file.
+        error: Error raised if the file cannot be read or is not TOML; the message states which file and why.
+        missing: Error raised if the file does not exist; None: `error`.
     """
     return parse_toml(read_text(path, error, missing=missing), path, error)
 
@@ -132,13 +132,13 @@ def read_toml(
 def read_rows(
     path: str | Path, error: type[LaticaudaError] = StorageFailed
 ) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """The columns of a CSV file, and of each row below them where it stands, counted from 1, and its cells by column.
+    """Read a CSV file: its column names, and for each row below them its row number (from 1) and its cells by column.
 
-    Rows without anything and lines that begin with # do not count.
+    Empty rows and lines that begin with # are ignored.
 
     Args:
-        path: Of the file.
-        error: What is raised if it cannot be read, or its rows differ in length; the message says which file and why.
+        path: Path of the file.
+        error: Error raised if the file cannot be read, or its rows differ in length; the message gives file and reason.
     """
     lines = ["" if line.startswith("#") else line for line in read_text(path, error).splitlines()]
     reader = csv.reader(lines, strict=True)
@@ -154,22 +154,22 @@ def read_rows(
 
 
 def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
-    """The cells of a CSV file by column.
+    """Read the cells of a CSV file by column.
 
     Args:
-        path: Of the file.
-        error: What is raised if it cannot be read, or its rows differ in length; the message says which file and why.
+        path: Path of the file.
+        error: Error raised if the file cannot be read, or its rows differ in length; the message gives file and reason.
     """
     names, rows = read_rows(path, error)
     return {name: [row[name] for _, row in rows] for name in names}
 
 
 def csv_text(rows: Iterable[Iterable[object]], newline: str = "\r\n") -> str:
-    """The content of a CSV file.
+    """Return the content of a CSV file.
 
     Args:
-        rows: Of cells, that of the columns' names first; a cell that is None is empty.
-        newline: What a line ends in.
+        rows: Rows of cells, starting with the column names; None becomes an empty cell.
+        newline: Line terminator.
     """
     text = io.StringIO(newline="")
     csv.writer(text, lineterminator=newline).writerows(rows)
@@ -177,10 +177,10 @@ def csv_text(rows: Iterable[Iterable[object]], newline: str = "\r\n") -> str:
 
 
 def plain(content: Any) -> Any:
-    """Mappings and lists as JSON has them: a number that is not finite is None, as what is not available is.
+    """Convert mappings and lists to JSON-compatible data; a number that is not finite becomes None (not available).
 
     Args:
-        content: Of numbers, texts, lists and mappings.
+        content: Numbers, texts, lists and mappings.
     """
     if isinstance(content, Mapping):
         return {key: plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
@@ -192,38 +192,38 @@ def plain(content: Any) -> Any:
 
 
 def to_json(content: Any, indent: int | None = 2) -> str:
-    """The same as a text in JSON.
+    """Convert mappings and lists to JSON text in the same way.
 
     Args:
-        content: Of numbers, texts, lists and mappings.
-        indent: Of its lines; None: one line.
+        content: Numbers, texts, lists and mappings.
+        indent: Indentation; None: a single line.
     """
     return json.dumps(plain(content), indent=indent, allow_nan=False)
 
 
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:
-    """Put a file in its place as a whole, so that whoever reads it meets the old one or the new one.
+    """Write a file as a whole, so that readers see either the old or the new version.
 
-    It is written beside the place, under another name with the same ending, and then moved there. What processes of
-    this computer left there that were killed meanwhile is removed. What is no plain file, as a pipe or a device, is
-    written to.
+    The content is written to another name with the same extension in the same folder, and then moved into place.
+    Leftovers of processes on this computer that were killed while writing there are removed. A target that is not a
+    regular file, such as a pipe or a device, is written directly.
 
     Args:
-        path: Of the file; its folder has to be there.
-        content: Bytes, a text (written in UTF-8), or a function that writes to the path that it is given.
+        path: Path of the file; its folder must exist.
+        content: Bytes, a text (written as UTF-8), or a function that writes to the path that it receives.
 
     Raises:
-        StorageFailed: If it cannot be written; what was there before is still there.
+        StorageFailed: If the file cannot be written; the previous content is then still there.
     """
-    target = Path(os.path.realpath(local(path)))  # a link goes on pointing to the file
+    target = Path(os.path.realpath(local(path)))  # a link continues to point to the file
     is_plain = target.is_file() or not target.exists()
     new = target.with_name(f".{os.getpid()}-{_HOST}{os.urandom(4).hex()}{target.suffix}") if is_plain else target
     try:
-        if target.exists() and not os.access(target, os.W_OK):  # a move would ask the folder alone
+        if target.exists() and not os.access(target, os.W_OK):  # a move would need permission for the folder only
             raise PermissionError(errno.EACCES, "it is read-only")
         _clear(target.parent)
         if callable(content):
-            new.open("ab").close()  # what stands in the way is said by the system, not by a library in its own words
+            new.open("ab").close()  # obstacles are reported by the system, not by a library in its own words
             content(new)
         else:
             new.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -243,35 +243,35 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
 
 
 def is_full(error: OSError) -> bool:
-    """Whether something cannot be written for want of room.
+    """Return whether an error was caused by a lack of space.
 
     Args:
-        error: What the system said.
+        error: Error raised by the system.
     """
     return error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def _clear(folder: Path) -> None:
-    """Remove what processes of this computer that are no more had not moved to its place."""
+    """Remove unfinished files of processes on this computer that no longer exist."""
     for left in folder.glob(f".[0-9]*-{_HOST}*") if os.name == "posix" else ():
         with suppress(OSError, ValueError):
             try:
-                os.kill(int(left.name[1:].partition("-")[0]), 0)  # no signal, a question
+                os.kill(int(left.name[1:].partition("-")[0]), 0)  # signal 0 only tests whether the process exists
             except ProcessLookupError:
                 left.unlink()
 
 
 @contextmanager
 def locked(path: Path, *, wait: bool) -> Generator[None]:
-    """Keep other processes from doing the same work, where the system and the file system have locks.
+    """Keep other processes from doing the same work, where system and file system support locks.
 
     Args:
-        path: A folder or a file that all of them lock; a file is made if need be. The lock goes with the process,
-            however that ends.
-        wait: For another process that has it.
+        path: A folder or a file that all of them lock; a file is created if needed. The lock is released when the
+            process ends, however it ends.
+        wait: Whether to wait for another process that holds the lock.
 
     Raises:
-        BlockingIOError: If another process has it and `wait` is not set.
+        BlockingIOError: If another process holds the lock and `wait` is not set.
     """
     try:
         import fcntl
@@ -284,7 +284,7 @@ def locked(path: Path, *, wait: bool) -> Generator[None]:
             fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except OSError as error:
             if isinstance(error, BlockingIOError):
-                raise  # all others are a file system's that has no locks
+                raise  # all other errors mean that the file system has no locks
         yield
     finally:
         os.close(handle)

@@ -1,9 +1,9 @@
-"""A law that owns its numbers: a value whose fields are the numbers and whose `__call__` is the formula.
+"""Laws with parameters: values whose fields are the numbers and whose `__call__` is the formula.
 
 Python calls the law itself. Kernels compile the formula once per class (`laticauda.compiling.formulas`), with a record
-of rows in the place of `self`: the fields have the same names there, and every trial that runs beside others, every
-derivative has its own values of them. So a formula sees its own fields, which are numbers or truth values, but no
-methods or properties; what it calls are plain functions beside the class.
+of rows in place of `self`: its fields have the same names, and each of several trials in parallel, and each derivative,
+has its own values of them. A formula therefore has access to its own fields, which are numbers or truth values, but not
+to methods or properties; it may call plain functions defined outside the class.
 """
 
 from collections.abc import Callable
@@ -16,27 +16,27 @@ from laticauda.extensions import name_of
 from laticauda.quantities import hints_of, quantities_of
 
 MOST_NUMBERS = 16
-"""That a law may have."""
+"""Maximum number of parameters of a law."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Formula:
-    """What kernels compile of a law."""
+    """The part of a law that kernels compile."""
 
     name: str
-    """Of the law."""
+    """Name of the law."""
     function: Callable[..., Any]
-    """`__call__` of its class, with whatever has the fields in the place of `self`."""
+    """`__call__` of its class, called with any object that has the fields in place of `self`."""
     fields: tuple[str, ...]
     """Names of its numbers, in the order of their rows."""
 
 
 class Law:
-    """Mixin of laws: values whose numbers are rows of the kernels, and whose `__call__` they compile."""
+    """Mixin of laws: values whose numbers are rows of the kernels, and whose `__call__` the kernels compile."""
 
     @property
     def formula(self) -> Formula:
-        """What kernels compile of it.
+        """The part of the law that kernels compile.
 
         Raises:
             ValueError: If its class cannot be compiled.
@@ -45,25 +45,25 @@ class Law:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """The values of its numbers; a truth value is 1 or 0."""
+        """Values of its fields; a truth value is 1 or 0."""
         return tuple(float(getattr(self, name)) for name in self.formula.fields)
 
     @property
     def words(self) -> str:
-        """What it is, for people: its name and its numbers with their units."""
+        """Description for people: its name and its numbers with their units."""
         units = {name: one.unit for name, one in quantities_of(type(self)).items()}  # pyright: ignore[reportArgumentType]
         told = [f"{name} {float(getattr(self, name)):g} {units.get(name, '')}".rstrip() for name in self.formula.fields]
         return ", ".join([name_of(type(self)).replace("-", " "), *told])
 
 
 class OfFunction(Law):
-    """Mixin of laws that are a plain `function`; what it closes over is compiled into it.
+    """Mixin of laws that are a plain `function`; the variables that it closes over are compiled into it.
 
-    They have no numbers that could be swept or identified, and no file can say what they are: write a class for that.
+    Such laws have no numbers to be swept or identified, and cannot be stored in files: write a class for that.
     """
 
     function: Callable[..., Any]
-    """It takes what the law takes."""
+    """Function with the same arguments as the law."""
 
     @property
     def formula(self) -> Formula:

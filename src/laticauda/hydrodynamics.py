@@ -1,4 +1,4 @@
-"""From a body's section and the water's dimensionless coefficients to loads per link.
+"""Loads per link from a body's section and the water's dimensionless coefficients.
 
 With rho the water's density, a and b the vertical and lateral half-axes, l the half length:
 
@@ -8,19 +8,19 @@ With rho the water's density, a and b the vertical and lateral half-axes, l the 
     mu_t = C_T rho pi a b 2l
 
 Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0 there. Its lambda_2
-and lambda_3 hold the tangential friction alone, and the unit of its lambda_1 is not that of an inertia (its value is
-negligible). ``rotational="strip"`` replaces all three by those of the normal loads spread evenly along a link that
-turns about its middle:
+and lambda_3 contain the tangential friction only, and the unit of its lambda_1 is not that of an inertia (its value is
+negligible). ``rotational="strip"`` replaces all three by those of the normal loads distributed uniformly along a link
+that rotates about its middle:
 
     lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
 
-A water with a `friction_taper` has C_f (1 + taper (1 - 2 s)) for C_f on the links, s the place of the link's middle
-from 0 at the tail end of the body to 1 at its head end; on links of equal length, the mean is C_f. It does not act on
-the fin, nor on modules that bring their own C_f.
+In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s)) replaces C_f on the links, where s is the position of the
+link's middle, from 0 at the tail end of the body to 1 at its head end; for links of equal length, the mean is C_f. The
+taper does not affect the fin, nor modules with their own C_f.
 
-What is left behind at the end of the tail carries m' = rho pi C_A a^2 per length, of the section there (`wake_mass`).
+The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there (`wake_mass`).
 
-`bending_frequencies` says how fast a fin that bends would swing by itself in that water.
+`bending_frequencies` computes the natural frequencies of a flexible fin in that water.
 """
 
 import math
@@ -47,7 +47,7 @@ class Coefficients:
     half_length: Float[np.ndarray, " n"]
     """l [m]."""
     position: Float[np.ndarray, " n"]
-    """Middle of the element from the tail end of its body, headward positive [m]."""
+    """Middle of the element from the tail end of its body, positive toward the head [m]."""
     mass: Float[np.ndarray, " n"]
     """m [kg]."""
     c_t: Float[np.ndarray, " n"]
@@ -65,29 +65,29 @@ class Coefficients:
     lambda_3: Float[np.ndarray, " n"]
     """Quadratic rotational drag [N m s^2]."""
     displaced: Float[np.ndarray, " n"]
-    """Mass of the water that would be in the element's place; 0 on the ground [kg]."""
+    """Mass of the water that would fill the element's volume; 0 on the ground [kg]."""
     fin: "Coefficients | None" = None
     """Strips of the caudal fin on body 0, from its root to the trailing edge; None without a fin [-]."""
 
 
 def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
-    """Drag and added mass of every link of a planar robot and of every strip of its fin.
+    """Compute drag and added mass of every link of a planar robot and of every strip of its fin.
 
     A fin strip of length d has, at its own middle,
 
         mu_n = rho pi C_A (h/2)^2 d,   c_n = 1/2 rho C_D h d,   c_t = 1/2 rho C_f 2 h d (two faces),   mu_t = 0
 
-    and no torque of its own, unless ``rotational="strip"`` asks for what is left inside a strip. An open opening has
-    mass (see `CaudalFin`) but no area, and so no strip. On the ground the strips carry the fin's whole mass: dry
-    friction acts on their weight, viscous friction, which is given per link, does not act on them.
+    and no torque of its own, unless ``rotational="strip"`` adds the contributions within a strip. An open opening has
+    mass (see `CaudalFin`) but no area, and hence no strip. On the ground the strips carry the fin's whole mass: dry
+    friction acts on their weight; viscous friction, which is given per link, does not act on them.
 
     Args:
-        robot: All joints turn about the vertical axis (see `Robot.planar`).
-        environment: The water it swims in or the ground it crawls on.
+        robot: Robot whose joints all rotate about the vertical axis (see `Robot.planar`).
+        environment: The water in which it swims, or the ground on which it crawls.
 
     Returns:
-        Arrays per link, tail first, with the fin's strips beside them. Coefficients that a module or the fin brings
-        along replace the water's on that module or on the fin.
+        Arrays per link, tail first, together with the fin's strips. Coefficients of a module or of the fin replace the
+        water's on that module or on the fin.
 
     Raises:
         ValueError: If the water's depth does not cover a link or the fin.
@@ -105,19 +105,19 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
 
 
 def immersion_factor(half_height: float, depth: float | None) -> float:
-    """What the surface does to the normal added mass: the factor 1 + a^2 / (2 h^2), by an image above the surface.
+    """Return the factor 1 + a^2 / (2 h^2) of the surface on the normal added mass, from an image above the surface.
 
-    Surface waves are left out: at the frequencies of swimming, the surface acts as a lid.
+    Surface waves are neglected: at swimming frequencies, the surface acts as a lid.
 
     Args:
         half_height: a [m].
-        depth: h of the axis below the surface [m]; None for far below it.
+        depth: h, depth of the axis below the surface [m]; None for far below the surface.
 
     Returns:
         The factor [-], from 1 (deep) to 3/2 (just covered).
 
     Raises:
-        ValueError: If the element is not covered, h <= a.
+        ValueError: If the element is not covered by water, h <= a.
     """
     if depth is None:
         return 1.0
@@ -127,25 +127,25 @@ def immersion_factor(half_height: float, depth: float | None) -> float:
 
 
 def mass_across(override: float | None, half_height: float, water: Water) -> float:
-    """Added mass per length across an element far below the surface, rho pi C_A a^2 [kg/m].
+    """Compute the added mass per length across an element far below the surface, rho pi C_A a^2 [kg/m].
 
     Args:
-        override: C_A of the part that it belongs to; None for the water's.
+        override: C_A of the part that the element belongs to; None for the water's.
         half_height: a, half the size of the section across the motion [m].
-        water: rho and C_A.
+        water: Water that defines rho and C_A.
     """
     return water.density * np.pi * own(override, water.added_mass) * half_height**2
 
 
 def wake_mass(robot: Robot, water: Water) -> float:
-    """m' of Lighthill's force at the trailing edge: what the section there carries, of the fin or of the tail link.
+    """Compute m' of Lighthill's force at the trailing edge, from the section of the fin or of the tail link there.
 
     Args:
-        robot: What swims.
-        water: C_A where the part has none of its own, density and depth.
+        robot: The robot that swims.
+        water: Water that defines density, depth, and C_A unless the part has its own.
 
     Returns:
-        rho pi C_A a^2, with what the surface does to it [kg/m].
+        rho pi C_A a^2, including the effect of the surface [kg/m].
     """
     fin, tail = robot.caudal_fin, robot.modules[0]
     last, half_height = (fin, fin.height / 2.0) if fin else (tail, tail.section.half_height)
@@ -153,11 +153,11 @@ def wake_mass(robot: Robot, water: Water) -> float:
 
 
 def own(override: float | None, water: float) -> float:
-    """A part's own coefficient, or the water's where it has none.
+    """Return a part's own coefficient, or the water's if the part has none.
 
     Args:
-        override: The part's.
-        water: The water's.
+        override: Coefficient of the part.
+        water: Coefficient of the water.
     """
     return water if override is None else override
 
@@ -176,7 +176,7 @@ def _coefficients(
 
 
 def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
-    """The loads of all links, one column per link; modules that are alike are computed once."""
+    """Compute the loads of all links, one column per link; identical modules are computed once."""
     friction = [water.tangential_friction] * len(modules)
     if water.friction_taper != 0.0:
         middle = np.cumsum(2.0 * half_length) - half_length
@@ -235,15 +235,15 @@ def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
 
 
 def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
-    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others.
+    """Return the strip edges behind the root [m]; strips of a closed opening are about as long as the others.
 
-    A hinge of the fin cuts the strip that it stands in.
+    A hinge of the fin splits the strip in which it lies.
     """
     cuts = tuple(hinge.position for hinge in fin.hinges)
     return _cut_strips(fin.length, fin.opening_length, fin.n_strips, closed, cuts)
 
 
-@lru_cache(maxsize=64)  # most robots of a batch have one fin; nobody writes to the array
+@lru_cache(maxsize=64)  # most robots of a batch have the same fin; the array is never modified
 def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]) -> np.ndarray:
     edges = np.linspace(opening, length, n_strips + 1)
     if closed and opening > 0.0:
@@ -255,30 +255,30 @@ def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts
 
 def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray], density: float) -> Coefficients:
     d = np.diff(edges)
-    displaced = density * fin.volume * d / np.sum(d)  # all of it, an opening's too
+    displaced = density * fin.volume * d / np.sum(d)  # the whole volume, including an opening's
     return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads, displaced)
 
 
 def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_Number, _Number, _Number]:
-    """Normal added mass and drag (linear, quadratic) spread along an element that turns about its middle."""
+    """Return normal added mass and drag (linear, quadratic) spread along an element that rotates about its middle."""
     return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
 
 
 def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndarray, " n_hinges"]:
-    """Natural frequencies of a robot's fin with its root held still, without drag and damping.
+    """Compute the natural frequencies of a robot's fin with its root fixed, without drag and damping.
 
-    Small deflections: (K - (2 pi f)^2 M) phi = 0 for the hinges' angles phi, with K the hinges' stiffness and M the
+    For small deflections, (K - (2 pi f)^2 M) phi = 0 for the hinge angles phi, with K the hinges' stiffness and M the
     inertia of plate and added mass behind them, m (x - s_i)(x - s_j) for a mass m at x behind the hinges i and j.
 
     Args:
-        robot: Its fin has hinges.
-        environment: The water around it; on the ground there is no added mass.
+        robot: Robot whose fin has hinges.
+        environment: The environment around the fin; on the ground there is no added mass.
 
     Returns:
         f of every mode, lowest first [Hz].
 
     Raises:
-        ValueError: If there is no fin that bends.
+        ValueError: If there is no flexible fin.
 
     Example:
         >>> from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What bodies and brains agree on: commands, observations and starts, and what a controller is."""
+"""Interface between plants and controllers: commands, observations, starts, and the controller base class."""
 
 import math
 from collections.abc import Mapping
@@ -17,38 +17,38 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 State = TypeVar("State")
-FAR = 1e5  # beyond it, digits of the motion are lost
+FAR = 1e5  # beyond this, digits of the motion are lost
 EFFECTORS = (("thrusts", "thrusters", "thrust", "N"), ("deflections", "pectoral_fins", "deflection", "rad"))
-"""What a command says of effectors: its field, the robot's, the number of one of them, and its unit."""
+"""Effectors in a command: field of the command, field of the robot, the effector's quantity, and its unit."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
-"""Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them."""
+"""Signals of a spatial trial: orientation of module 0 as a quaternion. A measured trial may lack them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """What is asked of a plant until the next control instant."""
+    """Command to a plant, valid until the next control instant."""
 
     gait: Gait
-    """The gait; its own offset counts too."""
+    """The gait, including its own offset."""
     offset: float = 0.0
     """phi_0 that steering adds to the gait's offset; positive turns left [rad]."""
     pitch_offset: float = 0.0
-    """The same for the pitch joints; positive turns down [rad]."""
+    """Offset added for the pitch joints; positive turns down [rad]."""
     references: tuple[float, ...] | None = None
-    """Reference of every joint, from somewhere else, held until the next command: the gait and the offsets do not count
-    then, and the reference generator stands still. For joints driven by pd control or servos. One more may follow for a
-    driven fin, which moves by the gait without it [rad]."""
+    """Reference of every joint from an external source, held until the next command: the gait and the offsets are then
+    ignored, and the reference generator pauses. For joints driven by pd control or servos. One more value may follow
+    for a driven fin, which otherwise moves with the gait [rad]."""
     enabled: tuple[bool, ...] | None = None
-    """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
-    are on. For joints driven by pd control or servos. One more may follow for a driven fin [-]."""
+    """For every joint, whether its motor is on. If off, only the friction of the gear and of the skin acts. None: all
+    are on. For joints driven by pd control or servos. One more value may follow for a driven fin [-]."""
     thrusts: tuple[float, ...] | None = None
-    """Of every driven thruster, one with a `max_thrust`, in order; it gives no more than that. None: its own [N]."""
+    """Thrust of every driven thruster, one with a `max_thrust` that limits it, in order. None: its own thrust [N]."""
     deflections: tuple[float, ...] | None = None
-    """The same of every pectoral fin with a `max_deflection` [rad]."""
+    """Deflection of every pectoral fin with a `max_deflection`, in the same way [rad]."""
 
     @property
     def steered(self) -> Gait:
-        """The gait with both offsets in it, as a `laticauda.gaits.Generator` takes it."""
+        """The gait with both offsets included, as required by a `laticauda.gaits.Generator`."""
         pitch, gait = self.gait.pitch, self.gait
         if self.pitch_offset != 0.0:
             pitch = pitch or STRAIGHT
@@ -56,13 +56,13 @@ class Command:
         return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
 
     def effectors(self, robot: Robot) -> Robot:
-        """The robot with its thrusters and pectoral fins as this command has them, each within its limit.
+        """Return the robot with its thrusters and pectoral fins set as commanded, each within its limit.
 
         Args:
-            robot: With them as they are built.
+            robot: The robot with its effectors as built.
 
         Raises:
-            ValueError: If there are not as many numbers as driven ones, or one is not finite.
+            ValueError: If the numbers of values and of driven effectors differ, or a value is not finite.
         """
         changes: dict[str, Any] = {}
         for name, group, number, unit in EFFECTORS:
@@ -81,15 +81,15 @@ class Command:
         return replace(robot, **changes) if changes else robot
 
     def check_held(self, robot: Robot, joints: JointLaw) -> None:
-        """Refuse references and switches that do not fit a plant.
+        """Reject references and switches that do not fit a plant.
 
         Args:
-            robot: Whose joints the plant drives.
-            joints: By what law.
+            robot: Robot whose joints the plant drives.
+            joints: Joint law that drives them.
 
         Raises:
-            ValueError: If there are not as many as joints, a driven fin counted or not, a reference is no finite
-                number, or the joints are prescribed.
+            ValueError: If their number does not match the joints, with or without a driven fin, a reference is not a
+                finite number, or the joints are prescribed.
         """
         for name in ("references", "enabled"):
             values = getattr(self, name)
@@ -102,7 +102,7 @@ class Command:
             if len(values) not in (n, most):
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
                 raise BadArgument(name, f"{rule}, got {len(values)}")
-        # One sum tells for all of them, a hundred times a second; only if something is wrong, which one.
+        # A single sum checks all of them, a hundred times per second; the faulty one is located only if the sum fails.
         held = self.references or ()
         if not (all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))):
             for i, angle in enumerate(held):
@@ -111,18 +111,18 @@ class Command:
 
 @dataclass(frozen=True, kw_only=True)
 class Observation:
-    """What can be seen of a plant at one instant, world axes, tail first."""
+    """Observable quantities of a plant at one instant, world axes, tail first."""
 
     time: float
-    """[s]."""
+    """Time [s]."""
     center_of_mass: Float[np.ndarray, " n_axes"]
-    """[m]."""
+    """Position of the center of mass [m]."""
     center_of_mass_velocity: Float[np.ndarray, " n_axes"]
-    """[m/s]."""
+    """Velocity of the center of mass [m/s]."""
     heading: float
     """Mean link angle (6), unwrapped [rad]."""
     heading_rate: float
-    """[rad/s]."""
+    """Rate of the heading [rad/s]."""
     link_angle: Float[np.ndarray, " n_links"]
     """theta [rad]."""
     joint_angle: Float[np.ndarray, " n_joints"]
@@ -132,14 +132,14 @@ class Observation:
     pitch: float = 0.0
     """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
     contact_force: Float[np.ndarray, "n_links 3"] | None = None
-    """In a scene the force of all contacts on every link, as it was when the last command ended [N]."""
+    """In a scene: total contact force on every link at the end of the last command [N]."""
     ranges: Float[np.ndarray, " n_rays"] | None = None
-    """How far the head sees along every ray of `Spatial.rays`, infinite where nothing is [m]."""
+    """Distance that the head measures along every ray of `Spatial.rays`, infinite if nothing is hit [m]."""
 
 
 @value
 class Start:
-    """Where a run begins: straight, and at rest unless it is to coast."""
+    """Start of a run: straight, and at rest unless it has a forward velocity."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR)
     heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
@@ -149,7 +149,7 @@ class Start:
     roll: float = quantity("rad", "About its axis; positive lifts its left side", default=0.0, ge=-math.pi, le=math.pi)
 
     def check_planar(self) -> None:
-        """Refuse a start out of the plane, for a body that stays in it."""
+        """Reject a start out of the plane, for a body that stays in it."""
         for name in ("depth", "pitch", "roll"):
             if getattr(self, name) not in (None, 0.0):
                 rule = "must be left out unless `model` is `spatial` with a free root, got"
@@ -158,48 +158,48 @@ class Start:
 
 @value
 class Resumed:
-    """Where a run begins that goes on with another one: in the state that the plant was left in."""
+    """Start of a run that continues another one: the final state of the plant."""
 
     state: Mapping[str, Any] = option("The state's arrays by name, as `Plant.pack` gives them")
 
     def __post_init__(self) -> None:
-        """Keep plain numbers, which compare and can be stored."""
+        """Store plain numbers, which can be compared and saved."""
         instance("state", self.state, Mapping)
         state = {name: tuple(np.asarray(values, dtype=float).tolist()) for name, values in self.state.items()}
         object.__setattr__(self, "state", state)
 
 
 class Controller(Extensible, Generic[State], group="controllers"):
-    """What decides the next command. Its state is a value, as a plant's is.
+    """Base of controllers, which decide the next command. Their state is a value, as is that of a plant.
 
-    One's own is a class below this one; as a frozen dataclass it is stored with its trials.
+    A custom controller is a subclass of this class; if it is a frozen dataclass, it is stored with its trials.
     """
 
     gait: Gait
-    """The gait that a run starts with."""
+    """Initial gait of a run."""
     interval: float
-    """Time between two control instants, at which it is asked [s]; infinite: once."""
+    """Time between two control instants, at which `step` is called [s]; infinite: called once."""
 
     def init(self) -> State:
-        """The state before the first control instant."""
+        """Return the state before the first control instant."""
         raise NotImplementedError
 
     def step(self, state: State, observation: Observation) -> tuple[State, Command]:
-        """The state after `observation` was made in `state`, and the command until the next control instant.
+        """Return the next state, from `state` and `observation`, and the command until the next control instant.
 
         Args:
-            state: What was kept of the last control instant, or `init`.
-            observation: What is seen of the robot now.
+            state: State after the last control instant, or from `init`.
+            observation: Current observation of the robot.
         """
         raise NotImplementedError
 
     def signals(self, state: State) -> Mapping[str, float]:
-        """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units.
+        """Return internal quantities in `state` for the Trial's log: always the same names, finite, in SI units.
 
-        Unless told otherwise, the `signals` that its state has.
+        By default, the `signals` attribute of the state.
 
         Args:
-            state: What `step` returned.
+            state: State returned by `step`.
         """
         return getattr(state, "signals", {})
 
@@ -207,44 +207,44 @@ class Controller(Extensible, Generic[State], group="controllers"):
         """Raise a ValueError if `robot` cannot do what the controller may command.
 
         Args:
-            robot: What is to be controlled.
+            robot: Robot to be controlled.
         """
 
 
 @value
 class OpenLoop(Controller[None]):
-    """The controller that looks at nothing: one command from start to end."""
+    """Controller that ignores observations: one command from start to end."""
 
     command: Command = option("Held all the time")
     interval: float = quantity("s", "Between two control instants; infinite: asked once", default=math.inf, gt=0.0)
 
     @property
     def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
-        """That of the command."""
+        """Gait of the command."""
         return self.command.gait
 
     def init(self) -> None:
-        """No state."""
+        """Return no state."""
 
     def step(self, state: None, observation: Observation) -> tuple[None, Command]:
-        """The command, whatever `state` and `observation` are.
+        """Return the command, whatever `state` and `observation` are.
 
         Args:
-            state: None: it keeps nothing.
-            observation: Not looked at.
+            state: None: the controller has no state.
+            observation: Ignored.
         """
         return None, self.command
 
 
 def check_waves(robot: Robot, gait: Gait) -> None:
-    """Refuse a gait that moves a fin or pitch joints which the robot does not have.
+    """Reject a gait that moves a fin or pitch joints that the robot does not have.
 
     Args:
-        robot: What swims.
-        gait: What it is to swim.
+        robot: The robot that swims.
+        gait: The gait that it is to swim.
 
     Raises:
-        ValueError: If so.
+        ValueError: If the gait does so.
     """
     instance("gait", gait, Gait)
     if gait.fin is not None and 0 not in robot.fin_joints:
@@ -260,14 +260,14 @@ def fin_signals(
     reference: Float[np.ndarray, "n_samples n_joints"],
     torque: Float[np.ndarray, "n_samples n_joints"],
 ) -> dict[str, np.ndarray]:
-    """What the fin's joints do, as signals of a log: all of a driven root, angles and rates of passive hinges.
+    """Return the motion of the fin's joints as signals: all of a driven root, angles and rates of passive hinges.
 
     Args:
-        joints: About which the fin moves, from the root on: 0 is a driven root, 1 and on are passive hinges.
-        angle: Of each of them [rad].
-        rate: The same [rad/s].
-        reference: What a driven one is asked for [rad].
-        torque: Of its actuator [N m].
+        joints: Joints of the fin, from the root on: 0 is a driven root, 1 and above are passive hinges.
+        angle: Angle of each joint [rad].
+        rate: Rate of each joint [rad/s].
+        reference: Reference angle of a driven joint [rad].
+        torque: Torque of its actuator [N m].
     """
     found: dict[str, np.ndarray] = {}
     for i, k in enumerate(joints):

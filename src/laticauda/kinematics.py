@@ -1,16 +1,16 @@
-"""Where every part of a planar robot is, from its center of mass and link angles, and back from one marker.
+"""Positions of all parts of a planar robot from its center of mass and link angles, and the inverse from one marker.
 
 Every point of the robot is the center of mass plus a fixed combination of the links' directions:
 
     r = p + sum_i b_i t_i,                t_i = (cos theta_i, sin theta_i)
 
-so a robot is a few rows of levers b [m]. The pieces of a fin count as
-links here, behind the tail link; where `fin_angle` is left out the fin is straight. Links are numbered tail
-first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
-number of leading axes (time first). The robot is taken as it is: reduce one with pitch joints by `robot.planar()`.
-nan passes through: a marker that was lost gives a pose that is unknown, at that sample only.
+so a robot is described by a few rows of levers b [m]. The pieces of a fin count as links here, behind the tail link;
+if `fin_angle` is omitted, the fin is straight. Links are numbered from the tail, phi_i = theta_{i+1} - theta_i; angles
+are counter-clockwise from the world x axis. All arrays may have any number of leading axes (time first). The robot is
+used unchanged: reduce one with pitch joints by `robot.planar()`. nan is passed through: a lost marker gives an unknown
+pose, at that sample only.
 
-And where every module is in space: from the center of mass, the tail module's orientation and the joint angles.
+The module also computes the poses of modules in space from center of mass, tail module orientation and joint angles.
 """
 
 from dataclasses import dataclass
@@ -36,13 +36,13 @@ Levers = Float[np.ndarray, "n_points n_pieces_and_links"]
 
 
 def heading(link_angle: Angles) -> Float[np.ndarray, "*batch"]:
-    """Mean of the body's link angles [rad], equation (6) of the paper; the fin does not count.
+    """Return the mean of the body's link angles [rad], equation (6) of the paper; the fin does not count.
 
     Args:
         link_angle: theta [rad].
 
     Raises:
-        ValueError: If there is no link.
+        ValueError: If there are no links.
     """
     if np.shape(link_angle)[-1:] in ((), (0,)):
         raise BadArgument("link_angle", f"must have a column per link, got {shown(link_angle)}")
@@ -50,7 +50,7 @@ def heading(link_angle: Angles) -> Float[np.ndarray, "*batch"]:
 
 
 def joint_angles(link_angle: Angles) -> Float[np.ndarray, "*batch n_joints"]:
-    """Joint angles phi_i = theta_{i+1} - theta_i [rad], tail first; rates from rates.
+    """Compute joint angles phi_i = theta_{i+1} - theta_i [rad], tail first; or rates from rates.
 
     Args:
         link_angle: theta [rad], or theta' [rad/s].
@@ -64,15 +64,15 @@ def link_angles(
     angle: Float[np.ndarray, "*batch"] | float,
     link: int | None = None,
 ) -> Angles:
-    """Angles of all links, from the joint angles and one angle more; rates from rates.
+    """Compute the angles of all links from the joint angles and one more angle; or rates from rates.
 
     Args:
         joint_angle: phi [rad], or phi' [rad/s].
         angle: Angle of `link`, or the heading (6) if `link` is None [rad]; its rate [rad/s] if rates are given.
-        link: Whose angle is known, 0 = tail; None means the mean of all.
+        link: Link whose angle is given, 0 = tail; None means the mean of all links.
 
     Returns:
-        theta [rad], not wrapped, or theta' [rad/s]. `joint_angles` gives `joint_angle` back.
+        theta [rad], not wrapped, or theta' [rad/s]. `joint_angles` recovers `joint_angle` from it.
 
     Raises:
         ValueError: If the robot has no such link.
@@ -93,7 +93,7 @@ def link_angles(
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Where the parts of a robot are, at one moment or at many; all points are in world axes [m].
+    """Positions of the parts of a robot, at one or many moments; all points are in world axes [m].
 
     Raises:
         ValueError: If an array does not fit the robot.
@@ -105,16 +105,16 @@ class Posture:
     """
 
     robot: Robot
-    """Whose body it is."""
+    """The robot."""
     center_of_mass: Vectors
-    """p of the whole robot, with its fin, world axes [m]."""
+    """p of the whole robot, including its fin, world axes [m]."""
     link_angle: Angles
     """theta of the body's links [rad]."""
     fin_angle: FinAngles | None = None
-    """Of the joints of a fin that bends or is driven, from its root on [rad]."""
+    """Angles of the joints of a flexible or driven fin, from its root on [rad]."""
 
     def __post_init__(self) -> None:
-        """Refuse what is no robot, and arrays that do not fit."""
+        """Reject anything that is not a robot, and arrays that do not fit it."""
         instance("robot", self.robot, Robot)
         object.__setattr__(self, "center_of_mass", _columns("center_of_mass", self.center_of_mass, 2, "x and y"))
         object.__setattr__(self, "link_angle", _columns("link_angle", self.link_angle, self.robot.n_links))
@@ -131,12 +131,12 @@ class Posture:
 
     @property
     def fin_line(self) -> Points:
-        """The fin as a line: trailing edge, hinges, root. Without a fin both ends are the tail end."""
+        """The fin as a line: trailing edge, hinges, root. Without a fin, both ends are the tail end."""
         return self._at(levers(self.robot).fin)
 
     @property
     def trailing_edge(self) -> Vectors:
-        """Trailing edge of the fin; of a robot without one the tail end. A rigid fin extends the tail link backward."""
+        """Trailing edge of the fin; without a fin, the tail end. A rigid fin extends the tail link backward."""
         return self.fin_line[..., 0, :]
 
     def _at(self, lever: Levers) -> Points:
@@ -153,23 +153,23 @@ def center_of_mass(
     offset: tuple[float, float] = (0.0, 0.0),
     fin_angle: FinAngles | None = None,
 ) -> Vectors:
-    """Center of mass of the whole robot, with its fin, from one marker and the link angles.
+    """Compute the center of mass of the whole robot, including its fin, from one marker and the link angles.
 
-    Motion capture follows one link and the joints report their angles; `link_angles` makes the link angles of these.
+    Motion capture tracks one link and the joints report their angles; `link_angles` turns these into link angles.
 
     Args:
-        robot: Whose body it is.
-        position: Where the marker is [m], world axes.
+        robot: The robot.
+        position: Position of the marker [m], world axes.
         link_angle: theta [rad].
         link: The link that carries the marker, 0 = tail.
-        offset: The marker's place from the middle of the link: toward the head, to the left [m].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
+        offset: Position of the marker relative to the middle of the link: toward the head, to the left [m].
+        fin_angle: Angles of the joints of a flexible or driven fin, from its root on [rad].
 
     Returns:
-        p [m], world axes. `link_centers` of it gives `position` back where `offset` is zero.
+        p [m], world axes. Its `link_centers` equal `position` if `offset` is zero.
 
     Raises:
-        ValueError: If an array does not fit the robot, or it has no such link.
+        ValueError: If an array does not fit the robot, or the robot has no such link.
     """
     row = levers(robot).center[[whole("link", link, 0, robot.n_links - 1)]]
     position = _columns("position", position, 2, "x and y")
@@ -180,7 +180,7 @@ def center_of_mass(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotLevers:
-    """Rows b of the points of one robot, relative to its center of mass; the fin's pieces come first."""
+    """Rows b for the points of one robot, relative to its center of mass; the fin's pieces come first."""
 
     center: Float[np.ndarray, "n_links n_pieces_and_links"]
     """Middles of the links [m]."""
@@ -192,13 +192,13 @@ class RobotLevers:
 
 @lru_cache(maxsize=64)
 def levers(robot: Robot) -> RobotLevers:
-    """The levers of a robot's points, which a page draws it by.
+    """Return the levers of a robot's points, from which pages draw it.
 
     Args:
-        robot: Whose.
+        robot: The robot.
     """
     instance("robot", robot, Robot)
-    # First from the tail end, then shifted by the center of mass, which is such a row itself.
+    # First relative to the tail end, then shifted by the center of mass, which is such a row itself.
     pieces = robot.caudal_fin.pieces[::-1] if robot.caudal_fin is not None else ()
     length = np.array([*(piece.length for piece in pieces), *(module.length for module in robot.modules)])
     mass = np.array([*(piece.mass for piece in pieces), *(module.mass for module in robot.modules)])
@@ -214,7 +214,7 @@ def levers(robot: Robot) -> RobotLevers:
 
 
 def _with_fin(robot: Robot, link_angle: Angles, fin_angle: FinAngles | None) -> np.ndarray:
-    """The angles (or rates) of the fin's pieces, trailing edge first, and of the links."""
+    """Return the angles (or rates) of the fin's pieces, trailing edge first, and of the links."""
     fin, joints, tail = robot.caudal_fin, robot.fin_joints, link_angle[..., :1]
     if fin is None:
         return link_angle
@@ -227,11 +227,11 @@ def _with_fin(robot: Robot, link_angle: Angles, fin_angle: FinAngles | None) -> 
 
 
 def _offsets(lever: Levers, angle: np.ndarray) -> Points:
-    """sum_i b_i t_i of every point [m]."""
+    """Compute sum_i b_i t_i of every point [m]."""
     return np.stack((np.cos(angle) @ lever.T, np.sin(angle) @ lever.T), axis=-1)
 
 
-# A wrong last axis would broadcast silently to a wrong answer, so this check stands at every public door.
+# A wrong last axis would broadcast silently to a wrong result, so every public entry point makes this check.
 
 
 def _columns(
@@ -244,7 +244,7 @@ def _columns(
 
 
 def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) -> Vectors:
-    """`vector`, given in link axes, in world axes."""
+    """Transform `vector` from link axes to world axes."""
     along, across = vector
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack((cos * along - sin * across, sin * along + cos * across), axis=-1)
@@ -255,12 +255,12 @@ def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) ->
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModulePoses:
-    """All modules at one instant, world axes, tail first."""
+    """Poses of all modules at one instant, world axes, tail first."""
 
     position: Float[np.ndarray, "n_modules 3"]
     """Middles of the modules [m]."""
     rotation: Float[np.ndarray, "n_modules 3 3"]
-    """Their axes (forward, left, up) as columns [-]."""
+    """Axes of the modules (forward, left, up) as columns [-]."""
 
 
 def module_poses(
@@ -271,14 +271,14 @@ def module_poses(
     *,
     ballast_depth: float = 0.0,
 ) -> ModulePoses:
-    """Where every module is.
+    """Compute the pose of every module.
 
     Args:
-        robot: With all of its modules, not reduced to the plane.
-        center_of_mass: Of the robot [m].
-        rotation: Of the tail module: its axes as columns [-].
+        robot: The robot with all of its modules, not reduced to the plane.
+        center_of_mass: Center of mass of the robot [m].
+        rotation: Orientation of the tail module: its axes as columns [-].
         joint_angle: phi of all joints, yaw and pitch; positive yaw bends to the left, positive pitch down [rad].
-        ballast_depth: How far the modules' centers of mass lie below their axes [m].
+        ballast_depth: Distance of the modules' centers of mass below their axes [m].
     """
     n = robot.n_links
     turned = np.empty((n, 3, 3))
@@ -301,11 +301,11 @@ def module_poses(
 
 
 def turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
-    """The rotation by `angle` [rad] about an `axis`: `yaw` to the left, `pitch` down, `roll` left side up.
+    """Return the rotation by `angle` [rad] about an `axis`: `yaw` to the left, `pitch` down, `roll` left side up.
 
     Args:
         axis: yaw, pitch or roll.
-        angle: By how much [rad].
+        angle: Angle of the rotation [rad].
     """
     c, s = np.cos(angle), np.sin(angle)
     if axis == "yaw":

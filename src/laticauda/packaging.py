@@ -1,4 +1,4 @@
-"""What a package shows of itself: its version, and names that are imported when they are first used."""
+"""Public interface of a package: its version, and names that are imported when they are first used."""
 
 import dis
 import inspect
@@ -15,24 +15,24 @@ _Exports = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 
 
 def lazy_exports(*own: str) -> _Exports:
-    """`__getattr__`, `__dir__` and `__all__` of the package that calls this: its names are imported when first used.
+    """Return `__getattr__`, `__dir__` and `__all__` of the calling package, whose names are imported when first used.
 
-    The names are those that its `__init__` imports for type checkers alone, so that they are listed once:
+    The names are those that its `__init__` imports for type checkers only, so that they are listed once:
 
         if TYPE_CHECKING:
             from laticauda.identify.fitting import fit as fit
 
         __getattr__, __dir__, __all__ = lazy_exports()
 
-    A function in a module of its own name is imported outside of that block, at once: the module would take its place.
-    What fails with an argument of the wrong type names that argument, see `laticauda.arguments`.
-    The import statements are read from the compiled `__init__`, which is there in a zip file and a frozen program too.
+    A function in a module of the same name is imported outside that block, at once: otherwise the module would replace
+    it. A call that fails because of an argument of the wrong type names that argument, see `laticauda.arguments`.
+    The import statements are read from the compiled `__init__`, which also exists in zip files and frozen programs.
 
     Args:
-        *own: Further public names, which the `__init__` has itself.
+        *own: Further public names, which the `__init__` defines itself.
     """
     frame = inspect.currentframe()
-    assert frame is not None and frame.f_back is not None  # as CPython has them
+    assert frame is not None and frame.f_back is not None  # always so in CPython
     caller = frame.f_back
     homes: dict[str, str] = {}
     home = ""

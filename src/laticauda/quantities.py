@@ -1,4 +1,4 @@
-"""Declare a number once: its unit, text, range and default stand together, and everything else reads them here.
+"""Declarations of numbers: a field's unit, text, range and default stand together, and everything reads them here.
 
     @value
     class PolynomialDrag:
@@ -6,7 +6,7 @@
         linear: bool = option("Whether there is a part that is linear in the speed", default=True)
 
 A `value` is a frozen, keyword-only dataclass that checks each of its fields once, by type and declared range. Files,
-flags, sweeps, FMUs, pages, the reference and `help` read the declarations by `quantities_of`, `texts_of`, `hints_of`.
+flags, sweeps, FMUs, pages, the reference and `help` read the declarations with `quantities_of`, `texts_of`, `hints_of`.
 """
 
 import dataclasses
@@ -31,50 +31,50 @@ Check = Callable[[str, Any], Any]
 _COUNTS = {2: "two", 3: "three"}
 _WORDS = {str: "text"}
 DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
-"""What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
+"""Suffixes of names that give a quantity of this unit in degrees, at the interfaces: files, flags and pages."""
 
 LIMITS = {
     "kg/m^3": 25e3,  # osmium has 22 590
     **dict.fromkeys(("A", "V", "deg C", "degC", "m/s"), 1e4),
     **dict.fromkeys(("Hz", "K/W", "m/s^2", "m^2", "ohm", "rad"), 1e6),
-    "m": 1e7,  # coordinates of surveys, as UTM's, come near it
+    "m": 1e7,  # survey coordinates, such as UTM, come near this
     **dict.fromkeys(("deg", "kg", "m^3"), 1e9),
 }
-"""How large a number of a unit may be where its field declares no bound on that side: beyond it, it is a slip."""
+"""Largest magnitude by unit, if the field declares no bound on that side; anything larger is taken as a mistake."""
 LARGEST = 1e12
-"""The same for all other units: far beyond any swimmer, and far from where sums and squares of numbers overflow."""
+"""The largest for all other units: far beyond any swimmer, and far from overflow of sums and squares of numbers."""
 MOST_ITEMS = 10_000_000
-"""A list of numbers that somebody gives is not longer than this, and does not go on for ever."""
+"""Maximum length of a list of numbers given by a user, which also guards against endless ones."""
 LEAST = {"m": 1e-9, "kg": 1e-9, "kg/m^3": 1e-9}
-"""How small a number of a unit may be where its field says that it is above 0: below it, it is a slip."""
+"""Smallest value by unit, if the field declares that it is above 0; anything smaller is taken as a mistake."""
 SMALLEST = 1e-12
-"""The same for all other units: far below any swimmer, and far from where quotients and squares leave all range."""
+"""The smallest for all other units: far below any swimmer, and far from overflow of quotients and squares."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A finite number in a unit and a range; where no bound is declared, that of its unit holds (`LIMITS`)."""
+    """A finite number with a unit and a range; if no bound is declared, that of its unit applies (`LIMITS`)."""
 
     unit: str
-    """Of the number; "" for a pure one."""
+    """Unit of the number; "" for a pure number."""
     text: str
-    """What it is, a phrase without a full stop."""
+    """Description, a phrase without a final period."""
     ge: float = -math.inf
-    """It is not below this."""
+    """Minimum, inclusive."""
     gt: float = -math.inf
-    """It is above this."""
+    """Minimum, exclusive."""
     le: float = math.inf
-    """It is not above this."""
+    """Maximum, inclusive."""
 
     def checked(self, name: str, value: object) -> float:
-        """`value` as a float.
+        """Return `value` as a float.
 
         Args:
-            name: Of the argument.
-            value: What was given.
+            name: Name of the argument.
+            value: The value given.
 
         Raises:
-            ValueError: If it is no finite number, or out of the range.
+            ValueError: If it is not a finite number, or out of range.
         """
         number = finite(name, value, self.unit)
         lowest, highest = self.ends
@@ -93,19 +93,19 @@ class Quantity:
 
     @property
     def in_degrees(self) -> "Quantity":
-        """The same number of rad or rad/s, given in degrees."""
+        """The same quantity of unit rad or rad/s, given in degrees."""
         bounds = {bound: math.degrees(getattr(self, bound)) for bound in ("ge", "gt", "le")}
         return dataclasses.replace(self, unit=self.unit.replace("rad", "deg"), **bounds)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The smallest and the largest number that will do, both finite."""
+        """The smallest and the largest accepted number, both finite."""
         limit = LIMITS.get(self.unit, LARGEST)
         return self.least if math.isfinite(self.least) else -limit, self.le if math.isfinite(self.le) else limit
 
     @property
     def least(self) -> float:
-        """The smallest number that is declared to do; minus infinity if there is none."""
+        """The smallest number accepted by declaration; minus infinity if there is none."""
         above = LEAST.get(self.unit, SMALLEST) if self.gt == 0.0 else math.nextafter(self.gt, math.inf)
         return max(self.ge, above if math.isfinite(self.gt) else self.gt)
 
@@ -129,15 +129,15 @@ def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: floa
 def quantity(
     unit: str, text: str, *, default: Any = MISSING, ge: float = -math.inf, gt: float = -math.inf, le: float = math.inf
 ) -> Any:
-    """A field that is a number, several numbers, or None where its type allows it.
+    """Declare a field that holds a number, several numbers, or None if its type allows it.
 
     Args:
-        unit: "" for a pure number.
-        text: What it is, a phrase without a full stop.
-        default: Left out: it must be given.
-        ge: It is not below this.
-        gt: It is above this.
-        le: It is not above this.
+        unit: Unit; "" for a pure number.
+        text: Description, a phrase without a final period.
+        default: Default; if omitted, the field is required.
+        ge: Minimum, inclusive.
+        gt: Minimum, exclusive.
+        le: Maximum, inclusive.
     """
     declared = Quantity(unit=unit, text=text, ge=ge, gt=gt, le=le)
     return dataclasses.field(default=default, metadata={"quantity": declared, "text": text})
@@ -150,13 +150,13 @@ def option(text: str, *, default_factory: Callable[[], T], check: Check | None =
 @overload
 def option(text: str, *, check: Check | None = ...) -> Any: ...
 def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None) -> Any:
-    """A field that is no number: a text, a truth value, a choice or another value.
+    """Declare a field that is not a number: a text, a truth value, a choice or another value.
 
     Args:
-        text: What it is, a phrase without a full stop.
-        default: Left out: it must be given.
-        default_factory: Makes the default.
-        check: Instead of the check that its type tells: `check(name, value)` returns the cleaned value.
+        text: Description, a phrase without a final period.
+        default: Default; if omitted, the field is required.
+        default_factory: Function that makes the default.
+        check: Replaces the check implied by the type: `check(name, value)` returns the cleaned value.
     """
     made: Any = {"default_factory": default_factory} if default_factory is not MISSING else {"default": default}
     return dataclasses.field(**made, metadata={"text": text, "check": check})
@@ -164,12 +164,12 @@ def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING,
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))
 def value(kind: Kind) -> Kind:
-    """Decorator: a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__``.
+    """Make a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__`` (decorator).
 
-    Numbers become floats within their range, whole numbers ints; texts of a `Literal` are among its choices, where a
-    hyphen is as good as an underscore, truth values are true or false, a field of a class holds an object of it, and
-    lists become tuples. A default is always fine, as infinity may be. What types do not tell is left to the class. An
-    angle or its rate may be given in degrees, under its name with `DEGREES`: `amplitude_deg=30`.
+    Numbers become floats within their range, whole numbers ints; texts of a `Literal` must be among its choices, with
+    hyphens equivalent to underscores; truth values are true or false; a field of a class holds an instance of it; lists
+    become tuples. A default is always valid, even infinity. Further checks are left to the class. An angle or its rate
+    may be given in degrees, under its name with `DEGREES`: `amplitude_deg=30`.
 
     Args:
         kind: The class; its docstring gets a list of the fields.
@@ -202,7 +202,7 @@ def _as_table(self: Any) -> str:
 
 
 def html_table(title: str, rows: Mapping[str, str]) -> str:
-    """A `title`, and `rows` of names and texts, as notebooks show them."""
+    """Return a table with a `title`, and `rows` of names and texts, as shown by notebooks."""
     cell = '<tr><th style="text-align:left">{}</th><td style="text-align:left">{}</td></tr>'.format
     lines = (cell(html.escape(name), html.escape(text)) for name, text in rows.items())
     return f"<table><caption>{html.escape(title)}</caption>{''.join(lines)}</table>"
@@ -224,7 +224,7 @@ def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
 
 
 def one_among(*choices: str) -> Check:
-    """The check of a text that is one of `choices`, where a hyphen is as good as an underscore."""
+    """Return a check for a text that is one of `choices`, with hyphens equivalent to underscores."""
 
     def check(name: str, given: Any) -> str:
         plain = given.replace("-", "_") if isinstance(given, str) else given
@@ -235,40 +235,40 @@ def one_among(*choices: str) -> Check:
 
 @functools.cache
 def quantities_of(kind: type) -> Mapping[str, Quantity]:
-    """The declared numbers of a class by field."""
+    """Return the declared numbers of a class by field."""
     found = {field.name: field.metadata.get("quantity") for field in dataclasses.fields(kind)}
     return types.MappingProxyType({name: one for name, one in found.items() if one is not None})
 
 
 @functools.cache
 def degrees_of(kind: type) -> Mapping[str, str]:
-    """The names that give a class's angles and their rates in degrees, and the fields that they stand for."""
+    """Return the names that give a class's angles and their rates in degrees, with the fields that they stand for."""
     found = {name + DEGREES[one.unit]: name for name, one in quantities_of(kind).items() if one.unit in DEGREES}
     return types.MappingProxyType(found)
 
 
 @functools.cache
 def texts_of(kind: type) -> Mapping[str, str]:
-    """What every field of a class is; "" where nothing is declared. A stand-in for an unknown class has none."""
+    """Return the description of every field of a class, "" if undeclared. A stand-in for an unknown class has none."""
     fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
     return types.MappingProxyType({f.name: f.metadata.get("text", "") for f in fields})
 
 
 @functools.cache
 def hints_of(kind: type) -> Mapping[str, Any]:
-    """The types of a class's fields."""
+    """Return the types of a class's fields."""
     hints = typing.get_type_hints(kind)
     return types.MappingProxyType({field.name: hints[field.name] for field in dataclasses.fields(kind)})
 
 
 def told(thing: object, *left_out: str) -> dict[str, str]:
-    """What a value holds, in words by field; what is None, empty or 0 says nothing, and is left out.
+    """Describe the content of a value in words, by field; fields that are None, empty or 0 are omitted.
 
-    Numbers have their units, angles are in degrees; what the value holds says its own `words`, or is told in brackets.
+    Numbers have their units, angles are in degrees; nested values give their `words`, or are put in parentheses.
 
     Args:
-        thing: A value.
-        left_out: Fields that are told otherwise.
+        thing: The value.
+        left_out: Fields that are described elsewhere.
     """
     held = {name: getattr(thing, name) for name in texts_of(type(thing)) if name not in left_out}
     words = {name: in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()}
@@ -276,7 +276,7 @@ def told(thing: object, *left_out: str) -> dict[str, str]:
 
 
 def in_words(given: Any, declared: Quantity | None) -> str:
-    """What a field holds, `given`, in words, its unit as `declared`; angles in degrees, and nothing of what is 0."""
+    """Return a field's content `given` in words, with the unit of `declared`; angles in degrees, "" for 0."""
     if hasattr(given, "words"):
         return given.words
     if dataclasses.is_dataclass(given):
@@ -295,12 +295,12 @@ def in_words(given: Any, declared: Quantity | None) -> str:
 
 @functools.cache
 def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
-    """By field: within what a float is fine as it is, and what else is asked."""
+    """Return for each field the range in which a float needs no further check, and the check for everything else."""
     hints, numbers = hints_of(kind), quantities_of(kind)
     found: list[tuple[str, float, float, Check | None]] = []
     for field in dataclasses.fields(kind):
         declared = numbers.get(field.name)
-        low, high = math.inf, -math.inf  # nothing is within
+        low, high = math.inf, -math.inf  # an empty range
         hint = hints[field.name]
         among = get_args(hint) if get_origin(hint) is types.UnionType else (hint,)
         if declared is not None and float in among:
@@ -311,7 +311,7 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
 
 
 def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
-    """What is asked of a field of this type; None: nothing."""
+    """Return the check for a field of this type; None: no check."""
     inner = [one for one in get_args(hint) if one is not type(None)]
     if get_origin(hint) in (types.UnionType, Union):
         return _check_of_union(hint, inner, declared)
@@ -330,12 +330,12 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
 
 
 def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> Check | None:
-    if len(inner) == 1 and len(get_args(hint)) == 2:  # something or None
+    if len(inner) == 1 and len(get_args(hint)) == 2:  # a type or None
         check = _check_of(inner[0], declared)
         return None if check is None else lambda name, given: None if given is None else check(name, given)
     kinds = get_args(hint)
     tuples, others = [one for one in kinds if get_origin(one) is tuple], [one for one in kinds if isinstance(one, type)]
-    if tuples and len(tuples) + len(others) == len(kinds):  # two numbers or three, say, or an object in their place
+    if tuples and len(tuples) + len(others) == len(kinds):  # for instance two or three numbers, or an object instead
         item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples if ... not in get_args(one))
         words = (_WORDS.get(one, one.__name__) for one in others if one is not type(None))
         things = " or a ".join([_things(item, counts, declared), *words])
@@ -352,19 +352,19 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
 
 
 def several(item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any) -> tuple[Any, ...]:
-    """What can be gone through as a tuple of checked items.
+    """Return an iterable as a tuple of checked items.
 
     Args:
-        item: The check of each.
-        things: What there have to be, in words.
-        counts: How many there may be; none: any number up to `MOST_ITEMS`.
-        name: Of the argument.
-        given: What was given.
+        item: Check of each item.
+        things: Description of the required items, in words.
+        counts: Accepted numbers of items; none: any number up to `MOST_ITEMS`.
+        name: Name of the argument.
+        given: The value given.
 
     Raises:
-        ValueError: If it is something else, of another length, or an item is refused.
+        ValueError: If it is not iterable, has another length, or an item is rejected.
     """
-    is_scalar = getattr(given, "shape", None) == ()  # an array without axes cannot be gone through
+    is_scalar = getattr(given, "shape", None) == ()  # an array without axes is not iterable
     if is_scalar or isinstance(given, str | Mapping) or not isinstance(given, Iterable):
         raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
     values: tuple[Any, ...] = tuple(islice(cast("Iterable[Any]", given), MOST_ITEMS + 1))
@@ -376,7 +376,7 @@ def several(item: Check | None, things: str, counts: tuple[int, ...], name: str,
 
 
 def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> str:
-    """What a tuple holds, in words."""
+    """Return the content of a tuple, in words."""
     if declared is not None and get_origin(kind) is None:
         amount = " or ".join(str(_COUNTS.get(count, count)) for count in counts) or "a list of"
         return f"{amount} numbers{f' in {declared.unit}' if declared.unit else ''}"
@@ -387,7 +387,7 @@ def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> st
 
 
 def _with_fields(kind: type) -> str:
-    """The docstring of a class with its fields."""
+    """Return the docstring of a class with its fields appended."""
     lines = [inspect.cleandoc(kind.__doc__ or kind.__name__), "", "Fields:"]
     for field in dataclasses.fields(kind):
         text, declared = field.metadata.get("text", ""), field.metadata.get("quantity")

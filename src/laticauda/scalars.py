@@ -1,9 +1,9 @@
-"""Functions of single numbers that hold for whatever the kernels compute with: floats, complex steps, lanes.
+"""Functions of single numbers that are valid for every number type of the kernels: floats, complex steps, lanes.
 
-Laws of fluids, joints and gaits are plain Python functions of numbers, and the kernels compile them: for floats, for
-complex numbers (whose imaginary part carries a derivative) and for lanes (one number per trial, side by side in a
-vector register). Neither of the last two can be compared by `if`: a law picks with `where`, looks at real parts, and
-takes the functions below. What the kernels put in their place gives the same numbers.
+Laws of fluids, joints and gaits are plain Python functions of numbers. The kernels compile them for floats, for complex
+numbers (whose imaginary part carries a derivative) and for lanes (one number per trial, side by side in a vector
+register). The last two cannot be compared in an `if`: a law selects with `where`, inspects real parts, and uses the
+functions below. The kernels replace these with versions that give the same numbers.
 """
 
 from typing import Any, cast
@@ -15,15 +15,15 @@ _tables: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
 
 def where(condition: Any, a: float, b: float) -> float:
-    """`a` if the condition holds, else `b`; both are computed, so both must be harmless. Arrays go element by element.
+    """Return `a` if the condition holds, else `b`; both are evaluated, so both must be valid. Arrays work elementwise.
 
     Args:
-        condition: Of real parts, as in ``x.real > 0.0``; join two by ``|`` and ``&``.
+        condition: Condition on real parts, as in ``x.real > 0.0``; combine two with ``|`` and ``&``.
         a: Any number.
-        b: Of the same kind: ``0.0 * x``, not ``0.0``, beside a number `x` that may be complex.
+        b: Number of the same kind: ``0.0 * x``, not ``0.0``, if `a` depends on an `x` that may be complex.
 
     Returns:
-        One of the two.
+        One of the two numbers.
     """
     if isinstance(condition, np.ndarray):
         return cast(Any, np.where(cast("np.ndarray", condition), a, b))
@@ -31,7 +31,7 @@ def where(condition: Any, a: float, b: float) -> float:
 
 
 def magnitude(x: float) -> float:
-    """|x|, also for complex-step derivatives, where `x` is negated or not by the sign of its real part.
+    """Return |x|, also for complex-step derivatives, where `x` is negated depending on the sign of its real part.
 
     Args:
         x: Real number, or real number with an imaginary perturbation.
@@ -43,39 +43,39 @@ def magnitude(x: float) -> float:
 
 
 def tanh(x: float) -> float:
-    """The hyperbolic tangent; in kernels without branches, several times as fast as that of NumPy, which goes as well.
+    """Return the hyperbolic tangent; branch-free in kernels and several times as fast as NumPy's, which also works.
 
     Args:
-        x: Number, or numbers.
+        x: Number or numbers.
     """
     return np.tanh(x)
 
 
 def table_address(table: np.ndarray) -> float:
-    """Where a table lies, for `table_row`: a number of a law, good in this process while somebody holds the table.
+    """Return a table's address for `table_row`, as a number in a law; valid in this process while the table exists.
 
     Args:
-        table: Floats of 64 bits, one row of four after the other, shape (n, 4).
+        table: 64-bit floats in contiguous rows of four, shape (n, 4).
     """
     _tables[table.ctypes.data] = table
     return float(table.ctypes.data)  # addresses have 48 bits, floats 53
 
 
 def table_row(address: float, index: Any, further: float) -> Any:
-    """A row of a table, its four numbers; arrays of indices go element by element. It does not vary with the index.
+    """Return the four numbers of a table row, elementwise for index arrays; they do not vary with the index.
 
     Args:
-        address: Of the table, as `table_address` gives it, the same for all; its real part where it may be complex.
-        index: Of a row, a whole number as a float; kernels do not check whether there is such a row.
-        further: How many rows behind that; the same for all that run side by side, see `first_lane`.
+        address: Address of the table from `table_address`, the same for all; its real part if it may be complex.
+        index: Index of a row, a whole number as a float; kernels do not check whether the row exists.
+        further: Number of rows to add to the index; the same for all that run side by side, see `first_lane`.
     """
     return tuple(np.moveaxis(_tables[int(address)][np.asarray(index + further, dtype=int)], -1, 0))
 
 
 def first_lane(x: float) -> float:
-    """A number that is the same in all lanes, as one number.
+    """Return a number that is the same in all lanes as a single number.
 
     Args:
-        x: A number of a law.
+        x: A number in a law.
     """
     return x

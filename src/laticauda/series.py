@@ -1,4 +1,4 @@
-"""A log: time series by name, each declared once with its axes, its unit and what it is."""
+"""Logs: time series by name, each declared once with its axes, its unit and its meaning."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument
 
-# What `Log` holds, by its axes; one sample has no time.
+# Contents of `Log`, by axes; a single sample has no time axis.
 Samples: TypeAlias = Float[np.ndarray, " *time"]
 Places: TypeAlias = Float[np.ndarray, "*time axis"]
 Links: TypeAlias = Float[np.ndarray, "*time link"]
@@ -17,25 +17,25 @@ Joints: TypeAlias = Float[np.ndarray, "*time joint"]
 Work: TypeAlias = Float[np.ndarray, "*time 3"]
 LINK_FORCE = "link_force_"
 SIGNAL = "signal_"
-"""Before the names of forces and of signals, where a log is nothing but arrays by name: see `Log.series`."""
+"""Prefixes of force and signal names, used where a log is a flat set of arrays by name: see `Log.series`."""
 
 
 class Series(NamedTuple):
-    """What one time series is, in a trial, in its files and in the reference."""
+    """Description of one time series, for trials, their files and the reference."""
 
     units: str
-    """SI unit, in the notation of UDUNITS."""
+    """SI unit, in UDUNITS notation."""
     text: str
-    """What it is, in words."""
+    """Meaning, in words."""
     dimensions: tuple[str, ...] = ("time",)
     """Names of its axes, time first."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Log:
-    """What a plant logs, and what a `laticauda.Trial` holds: samples, with time as the first axis.
+    """Samples logged by a plant or contained in a `laticauda.Trial`, with time as the first axis.
 
-    Links and joints are numbered tail first. One sample (`at` an index) has no time axis.
+    Links and joints are numbered from the tail. A single sample (`at` an index) has no time axis.
     """
 
     time: Annotated[Samples, Series("s", "time since the start of the run, strictly increasing")]
@@ -53,39 +53,39 @@ class Log:
         Samples | None, Series("J", "electrical work of the robot above idle, by a model or a meter")
     ] = None
     link_force: Mapping[str, Float[np.ndarray, "*time link axis"]] | None = None
-    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
+    """Force on each link by component (drag, added_mass, effector), world axes; None if not requested [N]."""
     signals: Mapping[str, Samples] = field(default_factory=dict[str, np.ndarray])
-    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
-    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
+    """Internal quantities of a controller, held between control instants (see `control`), and other data logged by a
+    plant: `orientation_w` to `orientation_z` of module 0, a quaternion, for the spatial plant; often empty [SI]."""
 
     def at(self, index: int | slice) -> "Log":
-        """Some of the samples.
+        """Select some of the samples.
 
         Args:
-            index: Of one, which has no time axis then, or a slice.
+            index: Index of a single sample, which then has no time axis, or a slice.
         """
         return log_of({name: np.asarray(values[index]) for name, values in self.series().items()})
 
     def series(self) -> dict[str, np.ndarray]:
-        """Every array by its name in tables and messages: `signal_offset` is the signal `offset`."""
+        """Return every array by its name in tables and messages: `signal_offset` is the signal `offset`."""
         found = {name: values for name in SERIES if (values := getattr(self, name)) is not None}
         found |= {LINK_FORCE + name: values for name, values in (self.link_force or {}).items()}
         return found | {SIGNAL + name: values for name, values in self.signals.items()}
 
 
 def numbers(name: str, values: object) -> Float[np.ndarray, "..."]:
-    """`values` as an array of floats, which may be theirs.
+    """Return `values` as an array of floats, which may share their memory.
 
     Args:
-        name: Of the argument.
-        values: Of any shape.
+        name: Name of the argument.
+        values: Numbers of any shape.
 
     Raises:
-        ValueError: If they are no numbers, some are masked, they are complex, or rows differ in length.
+        ValueError: If they are not numbers, are complex, some are masked, or rows differ in length.
     """
     try:
         given = np.asarray(values)
-    except (ValueError, MemoryError):  # rows of different lengths, or without end
+    except (ValueError, MemoryError):  # rows of different lengths, or endless input
         given = np.empty((), dtype=object)
     if given.dtype.kind not in "iuf" or np.ma.is_masked(values):
         raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
@@ -93,7 +93,7 @@ def numbers(name: str, values: object) -> Float[np.ndarray, "..."]:
 
 
 def _series(hint: Any) -> Series:
-    """What a field's annotation says, with the axes of its type."""
+    """Return the `Series` in a field's annotation, with the axes of its type."""
     kind, said = get_args(hint)
     kind = kind if hasattr(kind, "dim_str") else get_args(kind)[0]
     return said._replace(dimensions=tuple(kind.dim_str.replace("*", "").split()))
@@ -101,14 +101,14 @@ def _series(hint: Any) -> Series:
 
 _HINTS = get_type_hints(Log, include_extras=True)
 SERIES = {name: _series(hint) for name, hint in _HINTS.items() if get_origin(hint) is Annotated}
-"""What in a log is an array by itself."""
+"""Series of a log that are single arrays."""
 
 
 def log_of(series: Mapping[str, np.ndarray]) -> Log:
-    """The log whose `Log.series` these are.
+    """Return the log whose `Log.series` is given.
 
     Args:
-        series: Every array by its name.
+        series: Every array by name.
     """
     forces = {name.removeprefix(LINK_FORCE): one for name, one in series.items() if name.startswith(LINK_FORCE)}
     signals = {name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)}
@@ -117,10 +117,10 @@ def log_of(series: Mapping[str, np.ndarray]) -> Log:
 
 
 def concatenated(parts: Sequence[Log]) -> Log:
-    """One log of several that follow each other.
+    """Join several consecutive logs into one.
 
     Args:
-        parts: At least one; all have the same forces and signals.
+        parts: At least one log; all have the same forces and signals.
     """
     if len(parts) == 1:
         return parts[0]

@@ -296,6 +296,20 @@ def test_ticks_that_a_computer_missed_are_not_made_up_for():
     assert periods.min() == pytest.approx(0.02)
 
 
+def test_of_a_long_operation_the_last_ticks_are_kept_in_their_order(monkeypatch: pytest.MonkeyPatch):
+    class Real(TankTime):
+        is_real = True
+
+    monkeypatch.setattr("laticauda.operate.loop.MOST_TICKS", 30)
+    swum, ticks = tank(), []
+    devices = TankDevices(swum, clock=Real(swum))
+    what = Operator(operation=operation(duration=1.0))
+    _, timing = run_loop(what, devices, show=lambda state, _: ticks.append(state.now))
+    assert timing is not None
+    assert timing.times[:, 0] == pytest.approx(ticks[-30:])
+    assert timing.period == pytest.approx(0.02)
+
+
 def test_a_full_disk_stops_the_robot(tmp_path: Path):
     operator = Operator(operation=operation(duration=20.0))
     with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:

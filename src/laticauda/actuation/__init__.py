@@ -1,4 +1,4 @@
-"""Actuators: joint laws as values, their torques as scalar functions, and the power that their motors draw."""
+"""Actuators: joint laws as values, their torques as scalar functions, and the power drawn by their motors."""
 
 from laticauda.actuation.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, servo
 from laticauda.actuation.speed_servo import SpeedServo, speed_servo

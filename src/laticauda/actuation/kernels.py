@@ -1,4 +1,4 @@
-"""Joint laws inside the kernels of both models."""
+"""Joint laws in the kernels of both models."""
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
@@ -12,12 +12,12 @@ from laticauda.formulas import Formula
 
 
 def actuator_of(own: Formula | None) -> Any:
-    """A kernel function of a joint's code, its motion, its drive and the law's own numbers, three tuples.
+    """Return a kernel function of a joint's code and three tuples: its motion, its drive and the law's own numbers.
 
-    It returns the actuator's torque and its slopes. The built-in laws are in it whatever `own` is.
+    It returns the actuator's torque and its slopes, and always includes the built-in laws.
 
     Args:
-        own: What joints of the code OWN_DRIVEN do; None: there are none.
+        own: Formula for joints with the code OWN_DRIVEN; None: no such joints.
     """
     pd, servo = (in_numbers(kind().formula, Drive, MOTION) for kind in (PD, Servo))
     if own is None:
@@ -33,7 +33,7 @@ def actuator_of(own: Formula | None) -> Any:
         @kernel
         @no_type_check
         def by_own(motion, drive, numbers):
-            none = 0.0 * motion[0]  # gives constants the kind of the other numbers
+            none = 0.0 * motion[0]  # gives constants the type of the other numbers
             torque, slope_p, slope_d = law(*motion, *drive, *numbers)
             return torque + none, slope_p + none, slope_d + none
 

@@ -1,12 +1,12 @@
-"""Joint laws: what torque an actuator delivers, and how stiffly it depends on the joint's angle and rate.
+"""Joint laws: the torque of an actuator, and its slopes with respect to the joint's angle and rate.
 
-A law is a frozen value below `JointLaw`: its fields are numbers of its own, its `__call__` is the formula, which the
-kernels of both models compile (`laticauda.formulas`). It returns the torque and the two slopes K_p = -du/dphi and
-K_d = -du/dphi' that an implicit time step needs. A torque u > 0 turns the head side of the joint to the left against
-the tail side. The skin around the joint is not in it.
+A law is a frozen value derived from `JointLaw`: its fields are its own numbers, its `__call__` is the formula, which
+the kernels of both models compile (`laticauda.formulas`). It returns the torque and the two slopes K_p = -du/dphi and
+K_d = -du/dphi' that an implicit time step needs. A torque u > 0 turns the head side of the joint to the left relative
+to the tail side. The skin around the joint is not included.
 
-The annotations say float; complex numbers work too, for complex-step derivatives, and lanes, for many trials at once;
-so conditions look at the real part only, and choices come from `where`.
+The annotations say float, but complex numbers (for complex-step derivatives) and lanes (for many trials at once) work
+too; conditions therefore use the real part only, and choices use `where`.
 """
 
 from typing import ClassVar, NamedTuple
@@ -17,19 +17,19 @@ from laticauda.formulas import Formula, Law
 from laticauda.quantities import value
 from laticauda.scalars import tanh, where
 
-# Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
+# Rate over which dry friction changes sign; small compared with the rates of swimming, about 1 rad/s [rad/s].
 SLIDING_RATE = 0.05
 
 MOTION = 5
-"""Numbers that a law gets before the drive: phi, phi', phi_ref, phi_ref', phi_ref''."""
+"""Count of the arguments of a law before the drive: phi, phi', phi_ref, phi_ref', phi_ref''."""
 
 LOCKED, PRESCRIBED, PASSIVE, PD_DRIVEN, SERVO_DRIVEN, OWN_DRIVEN = range(6)
-"""How kernels tell joints apart; from PASSIVE on the torque is known, and before it the acceleration."""
+"""Codes of joints in the kernels; from PASSIVE on the torque is known, below it the acceleration."""
 FIRST_FREE = PASSIVE
 
 
 class Drive(NamedTuple):
-    """What a law knows of the joint's `laticauda.robot.Actuator`; gains and stall torque of one switched off are 0."""
+    """Numbers of the joint's `laticauda.robot.Actuator`; gains and stall torque are 0 if it is switched off."""
 
     proportional_gain: float
     """k_p [N m/rad]."""
@@ -49,26 +49,26 @@ class Drive(NamedTuple):
 
 _DRIVE = 3
 JOINT = (*range(4), _DRIVE + Drive._fields.index("stall_torque"), *(_DRIVE + len(Drive._fields) + k for k in range(2)))
-"""Where the numbers of a joint stand in the kernels of both models: its envelope g, times the share that a prescribed
-joint does of it; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; V I_stall of that, 0
-if its electrical power is not asked for; how many they are."""
+"""Positions of a joint's numbers in the kernels of both models: its envelope g, times the share of it that a prescribed
+joint does; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; the motor's V I_stall, 0 if
+electrical power is not requested; and the total count."""
 
 
 class JointLaw(Law, Extensible, group="joint_laws"):
-    """Base of how joints follow their references."""
+    """Base of the laws by which joints follow their references."""
 
     prescribed: ClassVar[bool] = False
-    """Whether joints are where the reference is, whatever torque that takes."""
+    """Whether joints follow the reference exactly, whatever torque that requires."""
     powered: ClassVar[bool] = False
-    """Whether the motors' electrical power is always asked for."""
+    """Whether the motors' electrical power is always computed."""
     dt: ClassVar[float | None] = 0.002
-    """Step at which it is converged [s]; None: that of the model's own integrator."""
+    """Time step at which the law is converged [s]; None: that of the model's own integrator."""
     ramp: ClassVar[float] = 0.0
-    """Usual duration of the smooth start [s]."""
+    """Default duration of the smooth start [s]."""
     takes_jumps: ClassVar[bool] = False
-    """Whether references may jump, because it does not look at their rates and accelerations."""
+    """Whether references may jump, because the law does not use their rates and accelerations."""
     remedy: ClassVar[str] = "a smaller `dt`, or a softer joint law"
-    """What to try if a run blows up."""
+    """What to try if a run diverges."""
 
     def __call__(
         self,
@@ -79,7 +79,7 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         reference_acceleration: float,
         drive: Drive,
     ) -> tuple[float, float, float]:
-        """Torque of one joint, and its slopes.
+        """Return the torque of one joint and its slopes.
 
         Args:
             angle: phi [rad].
@@ -95,10 +95,10 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         raise NotImplementedError
 
     def check(self) -> None:
-        """Refuse a law that kernels cannot compile.
+        """Reject a law that the kernels cannot compile.
 
         Raises:
-            ValueError: With the reason.
+            ValueError: If the law cannot be compiled; the message gives the reason.
         """
         if self.own is not None:
             from laticauda.compiling.formulas import check  # Numba is slow to import
@@ -108,24 +108,24 @@ class JointLaw(Law, Extensible, group="joint_laws"):
 
     @property
     def code(self) -> int:
-        """How kernels tell it apart."""
+        """Code of the law in the kernels."""
         codes: dict[type, int] = {Prescribed: PRESCRIBED, PD: PD_DRIVEN, Servo: SERVO_DRIVEN}
         return codes.get(type(self), OWN_DRIVEN)
 
     @property
     def own(self) -> Formula | None:
-        """The formula that kernels are compiled for; None: one that they all have."""
+        """Formula that kernels are compiled for; None: one that all kernels include."""
         return self.formula if self.code == OWN_DRIVEN else None
 
     @classmethod
     def of(cls, given: "JointLaw | str") -> "JointLaw":
-        """A law, which may be `given` by its name.
+        """Return a law, which may be `given` by its name.
 
         Args:
-            given: The law, or its name: prescribed, pd, servo, or what an installed package brings.
+            given: Law, or its name: prescribed, pd, servo, or one that an installed package provides.
 
         Raises:
-            ValueError: If there is none of that name.
+            ValueError: If there is no law of that name.
         """
         if isinstance(given, str):
             return cls.named(one_of("joints", given, cls.names()))()
@@ -134,7 +134,7 @@ class JointLaw(Law, Extensible, group="joint_laws"):
 
 @value
 class Prescribed(JointLaw):
-    """Exactly, whatever torque it takes; `Actuator.tracking` says how much of its reference a joint does."""
+    """Exact motion, whatever torque that takes; `Actuator.tracking` is the share of its reference that a joint does."""
 
     prescribed: ClassVar[bool] = True
     dt: ClassVar[float | None] = None
@@ -143,15 +143,15 @@ class Prescribed(JointLaw):
 
     @property
     def words(self) -> str:
-        """As an FMU's description has it."""
+        """Description of the law, as used for an FMU."""
         return "prescribed joints"
 
 
 @value
 class PD(JointLaw):
-    """By the law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
+    """Law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
 
-    There is no limit to its torque; phi_ref'' is fed forward with an inertia of 1 kg m^2, whatever the robot's is.
+    The torque is not limited; phi_ref'' is fed forward with an inertia of 1 kg m^2, whatever the robot's inertia is.
 
     References:
         E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
@@ -168,19 +168,19 @@ class PD(JointLaw):
         reference_acceleration: float,
         drive: Drive,
     ) -> tuple[float, float, float]:
-        """u, K_p and K_d, see `JointLaw.__call__`."""
+        """Return u, K_p and K_d, see `JointLaw.__call__`."""
         k_p, k_d = drive.proportional_gain, drive.derivative_gain
         return reference_acceleration + k_d * (reference_rate - rate) + k_p * (reference - angle), k_p, k_d
 
     @property
     def words(self) -> str:
-        """As an FMU's description has it."""
+        """Description of the law, as used for an FMU."""
         return "pd-controlled joints"
 
 
 @value
 class Servo(JointLaw):
-    """As the real robot's hobby servos do, see `servo`."""
+    """Hobby servos as in the real robot, see `servo`."""
 
     powered: ClassVar[bool] = True
     takes_jumps: ClassVar[bool] = True
@@ -195,40 +195,40 @@ class Servo(JointLaw):
         reference_acceleration: float,
         drive: Drive,
     ) -> tuple[float, float, float]:
-        """See `servo`."""
+        """Return the torque and its slopes, see `servo`."""
         return servo(angle, rate, reference, drive)[:3]
 
     def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
-        """Share of the supply's voltage that the motor gets, from -1 to 1 [-].
+        """Return the share of the supply voltage that the motor gets, from -1 to 1 [-].
 
         Args:
             angle: phi [rad].
             rate: phi' [rad/s].
             reference: phi_ref [rad].
-            drive: What the joint's actuator is.
+            drive: Numbers of the joint's actuator.
         """
         return servo(angle, rate, reference, drive)[3]
 
     @property
     def words(self) -> str:
-        """As an FMU's description has it."""
+        """Description of the law, as used for an FMU."""
         return "servos in the joints"
 
 
 def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[float, float, float, float]:
-    """A hobby servo: proportional control of a geared DC motor through its duty cycle.
+    """Return the torque of a hobby servo: proportional control of a geared DC motor through its duty cycle.
 
         d = clip(gain (phi_ref - phi), -1, 1)
         u = u_stall (d - phi'/phi'_0) - b phi' - u_c tanh(phi'/eps),    eps = 0.05 rad/s
 
-    The first term is the motor with its back electromotive force, which limits torque and speed by itself: at full duty
-    it stalls at `stall_torque` and stops pulling at `no_load_speed`. Driven backward or beyond that speed it brakes.
+    The first term is the motor with its back electromotive force, which inherently limits torque and speed: at full
+    duty it stalls at `stall_torque` and delivers no torque at `no_load_speed`. Driven backward or faster, it brakes.
 
     Args:
         angle: phi [rad].
         rate: phi' [rad/s].
         reference: phi_ref [rad].
-        drive: What the joint's actuator is: its gain, u_stall, phi'_0, u_c and b.
+        drive: Numbers of the joint's actuator: its gain, u_stall, phi'_0, u_c and b.
 
     Returns:
         u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the duty saturates, K_p = 0.
@@ -236,7 +236,7 @@ def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[fl
     gain, stall_torque, viscous_friction = drive.servo_gain, drive.stall_torque, drive.viscous_friction
     demand = gain * (reference - angle)
     saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
-    # 0 * demand keeps the number's kind, real or complex, for the compiler.
+    # 0 * demand keeps the number's type, real or complex, for the compiler.
     limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
     duty = where(saturated, limit, demand)
     stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
@@ -255,13 +255,13 @@ def motor_power(
     viscous_friction: float,
     stall_power: float,
 ) -> float:
-    """Electrical power that the geared motor of `servo` draws above idle while it delivers a torque at a rate.
+    """Return the electrical power above idle of the geared motor of `servo` while it delivers a torque at a rate.
 
         s = (u + b phi' + u_c tanh(phi'/eps)) / u_stall,   d = s + phi'/phi'_0,   P = V I_stall max(d s, 0)
 
-    It is the servo's law read backwards: s is the share of the stall current that the torque takes, d the duty at which
-    the motor gives it at that speed. The bridge takes the current from the supply V for the share d of the time, and
-    cannot give energy back. So it holds for joints under any law; one that a `servo` could not follow has |d| > 1.
+    This is the inverse of the servo's law: s is the share of the stall current that the torque requires, d the duty at
+    which the motor delivers it at that speed. The bridge draws the current from the supply V for the share d of the
+    time, and cannot return energy. It therefore holds for joints under any law; |d| > 1 if a `servo` could not follow.
 
     Args:
         torque: u at the joint [N m].
@@ -273,8 +273,8 @@ def motor_power(
         stall_power: V I_stall [W].
 
     Returns:
-        Power [W], not negative. Not below what the motor delivers, u phi', as long as V I_stall >= u_stall phi'_0: a
-        motor and gear of constants that do not create energy.
+        Power [W], not negative. Not below the delivered power u phi' if V I_stall >= u_stall phi'_0, that is, if the
+        constants of motor and gear do not create energy.
     """
     sliding = tanh(rate / SLIDING_RATE)
     current = (torque + viscous_friction * rate + friction_torque * sliding) / stall_torque

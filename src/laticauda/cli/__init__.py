@@ -1,7 +1,8 @@
-"""The command `laticauda`: text in, one call, text out.
+"""The `laticauda` command: text in, one call, text out.
 
-Ctrl-C ends it with one line, in the midst of imports and compilers too, and where a library in C prints what it cannot
-hand on, all of which would say much more; a second one ends it at once. Only this is imported before it listens.
+Ctrl-C ends the program with a one-line message, even during imports and compilation and where a C library prints
+exceptions that it cannot propagate, all of which would print much more; a second Ctrl-C ends it at once. Only this
+module is imported before the handler is installed.
 """
 
 import gc
@@ -22,7 +23,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the program.
 
     Args:
-        args: The words behind the program's name; None takes those of this process, which ends with this call.
+        args: Arguments after the program name; None uses those of this process, which ends with this call.
 
     Returns:
         The exit status.
@@ -42,15 +43,15 @@ def main(args: Sequence[str] | None = None) -> int:
     finally:
         if is_ours:
             if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
-                gc.collect()  # while nobody says that half-made things break
+                gc.collect()  # while errors of half-built objects are still suppressed
             signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual)
             sys.excepthook, sys.unraisablehook = printing, before
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Interrupt what is done; while something is imported or compiled, end: half of it is of use to nobody.
+    """Interrupt the current work; during an import or compilation, exit instead: a partial result is of no use.
 
-    A compiler that is left in the midst of what it does in C may crash when its objects go.
+    A compiler that is interrupted inside its C code may crash when its objects are destroyed.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     while frame is not None:
@@ -61,7 +62,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def _lose(lost: Any, before: Callable[[Any], Any]) -> None:
-    """End at an interrupt that cannot be handed on; of objects that it left half made nobody says that they break."""
+    """Exit on an interrupt that cannot be propagated; suppress errors of the objects that it left half-built."""
     if lost.exc_type is KeyboardInterrupt:
         os._exit(_say())
     if signal.getsignal(signal.SIGINT) is not signal.SIG_DFL:

@@ -1,6 +1,6 @@
-"""The program: finds the command that is meant, reads its options, runs it, and turns errors into messages.
+"""The program: finds the requested command, reads its options, runs it and turns errors into messages.
 
-Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the user.
+Exit status: 0 for success, 1 for a failed run, 2 for bad input, 130 if stopped by the user.
 """
 
 import os
@@ -26,7 +26,7 @@ DESCRIPTION = (
 )
 
 COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
-"""A command's words, where its class is, and what the list of commands says about it."""
+"""By the words of a command: the location of its class, and its text in the list of commands."""
 LISTED = "; `laticauda --help` lists those that there are."
 GROUPS = {
     "export": "Write robots to files for other programs.",
@@ -38,14 +38,14 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the program.
 
     Args:
-        args: The words behind the program's name; None takes those of this process.
+        args: Arguments after the program name; None uses those of this process.
 
     Returns:
         The exit status.
     """
     words = sys.argv[1:] if args is None else list(args)
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # names of files need not be UTF-8, and messages say them
+        if isinstance(stream, TextIOWrapper):  # file names need not be UTF-8, and messages contain them
             stream.reconfigure(errors="backslashreplace")
     command: Command | None = None
     try:
@@ -56,14 +56,14 @@ def main(args: Sequence[str] | None = None) -> int:
             return 0
         command = _read(words)
         status = command()
-        sys.stdout.flush()  # a closed pipe shows here, and not after the end
+        sys.stdout.flush()  # a closed pipe is noticed here, not after the end
         return status
-    except SystemExit as end:  # tyro printed its help or its complaint
+    except SystemExit as end:  # tyro has printed its help or an error
         return end.code if isinstance(end.code, int) else 2
     except KeyboardInterrupt as stop:
         return _complain(str(stop) or "stopped.", 130)
     except BrokenPipeError:
-        # Whoever read our output has gone. Nothing may be written there any more, not even at the end.
+        # The reader of our output has gone. Nothing may be written to it any more, not even at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except BadArgument as error:
@@ -81,7 +81,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _read(words: list[str]) -> Command:
-    """The command that the words ask for, with its options; ends the program where there is none."""
+    """Return the command that the words name, with its options; end the program if they name none."""
     for length in (2, 1):
         place = COMMANDS.get(" ".join(words[:length]))
         if len(words) >= length and place is not None:
@@ -97,19 +97,19 @@ def _read(words: list[str]) -> Command:
 
 
 def _commands(group: str) -> dict[str, str]:
-    """The last words of a group's commands, and what they do."""
+    """Return the last word of each command in a group, with the description of the command."""
     listed = ((*name.rpartition(" "), text) for name, (_, text) in COMMANDS.items())
     return {word: text for of, _, word, text in listed if of == group}
 
 
 def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
-    """Print the help that lists the commands, or say what is wrong with the words; none of them is a command."""
+    """Print the list of commands, or report what is wrong with the words, which name no command."""
     subcommands: list[Any] = [
         Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_NoCommand)]
         for name, text in choices.items()
     ]
     any_of_them: Any = Annotated[Union[tuple(subcommands)], tyro.conf.arg(name="")]  # noqa: UP007  # made while it runs
-    # Of a bare union tyro parses its own source, in search of a help for it; this class has none, and no source.
+    # For a bare union, tyro parses its own source to find a help text; this class has neither help text nor source.
     chosen: Any = make_dataclass("Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"})
     quiet = (tyro.conf.HelptextFromCommentsOff,)
     tyro.cli(chosen, prog=prog, description=wrapped(description), args=words, config=quiet)
@@ -118,11 +118,11 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
 
 @dataclass
 class _NoCommand:
-    """Stands for a command in the list of commands; a class, because tyro looks at functions by a slow import."""
+    """Placeholder for a command in the list of commands; a class because tyro inspects functions by a slow import."""
 
 
 def _reason(error: OSError) -> str:
-    """What the system refused, and for which file."""
+    """Return what the system refused, and for which file."""
     text = (error.strerror or str(error)).lower()
     return f"{text}." if error.filename is None else f"{error.filename}: {text}."
 

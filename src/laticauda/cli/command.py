@@ -1,6 +1,6 @@
-"""What all commands share: files are refused before the work and not after it, and one outcome is told or is JSON.
+"""Base of all commands: output files are checked before the work starts, and the outcome is printed as text or JSON.
 
-How far a command is, bars on standard error say, if that is a terminal.
+Progress bars are shown on standard error if it is a terminal.
 """
 
 import math
@@ -24,16 +24,16 @@ from laticauda.quantities import option, value
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a command came to."""
+    """Outcome of a command."""
 
     facts: Mapping[str, Any]
-    """For programs, in SI units."""
+    """Facts for programs, in SI units."""
     text: str
-    """For people."""
+    """Text for people."""
     problem: str = ""
     """What went wrong, for standard error."""
     succeeded: bool = True
-    """Whether the exit status is 0, and not 1."""
+    """Whether the exit status is 0 rather than 1."""
 
 
 @value
@@ -44,20 +44,20 @@ class Command:
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed.
+        """Return the command that was typed.
 
         Args:
-            words: Behind its name.
-            prog: What the help calls it.
+            words: Words typed after its name.
+            prog: Name of the command in the help.
         """
         return read(cls, words, prog)
 
     def run(self) -> Outcome | None:
-        """Do the work; None if all has been said already."""
+        """Do the work; return None if everything has already been printed."""
         raise NotImplementedError
 
     def __call__(self) -> int:
-        """Do the work, print what it came to, and return the exit status."""
+        """Do the work, print the outcome and return the exit status."""
         for name, path, endings in files_of(self):
             check_output(name, path, endings)
         done = self.run()
@@ -69,23 +69,23 @@ class Command:
         return 0 if done.succeeded else 1
 
     def announce(self, facts: Mapping[str, Any], text: str) -> None:
-        """Print a line while the command goes on.
+        """Print a line while the command continues.
 
         Args:
-            facts: For programs.
-            text: For people.
+            facts: Facts for programs.
+            text: Text for people.
         """
         print(to_json(facts, None) if self.json else text, flush=True)
 
 
 @contextmanager
 def until_stopped(close: Callable[[], None]) -> Generator[None]:
-    """Serve until Ctrl-C or SIGTERM, which are no failures.
+    """Serve until Ctrl-C or SIGTERM, neither of which counts as a failure.
 
     Args:
-        close: What is to be done in the end, however that comes.
+        close: Called at the end, however it comes about.
     """
-    # Ctrl-C too: `laticauda.cli` would end at once where something is compiled, and what is to be saved would be lost.
+    # Ctrl-C too: `laticauda.cli` would exit at once during compilation, and results to be saved would be lost.
     is_main = threading.current_thread() is threading.main_thread()
     both = [one for one in (signal.SIGINT, signal.SIGTERM) if is_main and signal.getsignal(one) != signal.SIG_IGN]
     before = [signal.signal(one, signal.default_int_handler) for one in both]
@@ -100,10 +100,10 @@ def until_stopped(close: Callable[[], None]) -> Generator[None]:
 
 
 def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
-    """The files that a command will write: name of the option, what was typed, and what it may end in.
+    """Yield the files that a command will write: option name, typed value and allowed endings.
 
     Args:
-        command: The command, or a part of it.
+        command: Command, or a part of it.
     """
     from laticauda.trial import Format
 
@@ -114,15 +114,15 @@ def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
 
 
 def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
-    """Refuse a file that cannot be written.
+    """Reject an output file that cannot be written.
 
     Args:
         option: Name of the option.
-        path: What was given; None is fine.
-        endings: What the file's name may end in.
+        path: Given path; None is accepted.
+        endings: Allowed endings of the file name.
 
     Raises:
-        ValueError: If it ends otherwise, its folder does not exist, it is a folder, or may not be written.
+        ValueError: If it has another ending, its folder does not exist, it is a folder, or it is not writable.
     """
     if path is None:
         return
@@ -133,7 +133,7 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         raise BadArgument(option, f"must be a file in a folder that exists, got {path}")
     if file.is_dir():
         raise BadArgument(option, f"must be a file, got the folder {path}")
-    # A new file is put in the place of an old one, so the folder counts.
+    # A new file replaces an old one, so the folder must be writable.
     if not os.access(file.parent, os.W_OK) or (file.exists() and not os.access(file, os.W_OK)):
         raise BadArgument(option, f"must be a file that may be written, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":
@@ -142,23 +142,23 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         check_video()
 
 
-# ---- how far a command is -------------------------------------------------------------------------------------------
+# ---- progress -------------------------------------------------------------------------------------------------------
 
 PATIENCE = 2.0
-"""Nobody wants a bar for less [s]."""
+"""Time for which a progress bar is not yet shown [s]."""
 SECONDS = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
 TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
 SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
 def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0) -> Callable[..., None]:
-    """What work calls now and then with how much is done; also with `total` and `what`, a bar for each `what`.
+    """Return a callback for the amount done, optionally with `total` and `what`; each `what` has its own bar.
 
     Args:
-        form: Of the bar, as tqdm has it.
-        total: How much there is to do.
-        what: What the bar says before that.
-        patience: How long nothing is shown [s].
+        form: Format of the bar, as in tqdm.
+        total: Total amount of work.
+        what: Text at the beginning of the bar.
+        patience: Time for which nothing is shown [s].
     """
     began = time.monotonic()
     bars: dict[str, Any] = {}
@@ -179,20 +179,20 @@ def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: flo
 
 
 def run_bar(duration: float, what: str = "swam") -> Callable[..., None]:
-    """What a run calls now and then with the time it has reached [s]; short ones show nothing.
+    """Return a callback for the time that a run has reached [s]; short runs show nothing.
 
     Args:
         duration: Simulated time of the whole run [s].
-        what: What the bar says before the time that has been reached.
+        what: Text of the bar before the time reached.
     """
     return progress(SECONDS, duration, what, patience=PATIENCE)
 
 
 def film_bar(duration: float) -> Callable[[float], None]:
-    """The same of a film that becomes longer; where there is no terminal, a line for every tenth.
+    """Return a callback for the time that has been filmed; without a terminal, it prints a line for every tenth.
 
     Args:
-        duration: Time of the trial that is filmed [s].
+        duration: Time span of the trial that is filmed [s].
     """
     bar, began, tenths = run_bar(duration, "filmed"), time.monotonic(), [0]
 
@@ -209,10 +209,10 @@ def film_bar(duration: float) -> Callable[[float], None]:
 
 @contextmanager
 def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
-    """The progress of many trials that are stored as they are done: Ctrl-C says how many, and how to go on.
+    """Show the progress of trials that are stored as they finish; Ctrl-C reports their number and how to resume.
 
     Args:
-        folder: Where they are stored.
+        folder: Folder where they are stored.
     """
     bar, reached = progress(TRIALS), [0, 0]
 

@@ -1,4 +1,4 @@
-"""`laticauda design-experiment`: the next trials that would tell the most."""
+"""`laticauda design-experiment`: the most informative next trials."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -34,7 +34,7 @@ def _deg(*angles: float) -> tuple[float, ...]:
 
 @value
 class Unknowns:
-    """What is to be identified, and what is known of it."""
+    """What is to be identified, and what is already known about it."""
 
     after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
     parameters: Words = option("NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in sweeps, and what is known", default=())
@@ -47,7 +47,7 @@ class Unknowns:
 
 @value
 class Candidates:
-    """Trials that could be done: every combination, and straight ones."""
+    """Candidate trials: every combination of gait parameters, and trials with the straight robot."""
 
     gait: Literal["lateral-undulation", "eel-like", "both"] = option("Kinds of gait", default="lateral-undulation")
     amplitudes: tuple[float, ...] = quantity("rad", "Amplitudes alpha", ge=0.0, le=math.pi, default=_deg(20, 30, 40))
@@ -65,14 +65,14 @@ class Candidates:
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
     def __post_init__(self) -> None:
-        """Refuse no candidates."""
+        """Reject empty lists."""
         for name in ("amplitudes", "frequencies", "phase_shifts", "tow", "tow_angles", "coast_down", "sensors"):
             at_least_one(name, getattr(self, name), "value")
 
 
 @value
 class DesignExperiment(Command):
-    """Find the next trials that would shrink the uncertainty of parameters most.
+    """Find the next trials that would reduce the uncertainty of parameters most.
 
     For example: laticauda design-experiment --parameters water.tangential_friction water.normal_drag water.added_mass
     --sensors speed --trials 4
@@ -91,7 +91,7 @@ class DesignExperiment(Command):
     tank_day: Place = option("A new folder gets runs to do and files to fill in; a filled one is judged", default=None)
 
     def run(self) -> Outcome:
-        """Judge, choose and draw."""
+        """Evaluate the candidates, choose trials and draw."""
         if self.tank_day:
             return self._tank_day(Path(self.tank_day))
         show = progress(SHARE, what="judged", patience=PATIENCE)
@@ -107,7 +107,7 @@ class DesignExperiment(Command):
         return _design_said(found)
 
     def _tank_day(self, folder: Path) -> Outcome:
-        """Begin a tank day, or judge what it gave."""
+        """Begin a tank day, or evaluate its measurements."""
         from laticauda.identify import tank_day
 
         if not (folder / tank_day.DAY).exists():
@@ -122,7 +122,7 @@ class DesignExperiment(Command):
         return Outcome(facts=said, text=f"{tank_day.words(found)}\n\n{folder / 'result'}: {', '.join(files)}")
 
     def _rivals(self) -> dict[str, tuple[Problem, list[Measurement]]]:
-        """By name of the water or parameter file, the same candidates as each has them."""
+        """Return problem and candidates of every rival, by the name of its water or parameter file."""
         found: dict[str, tuple[Problem, list[Measurement]]] = {}
         for name in self.unknowns.rivals:
             of = "water" if name in (*water_names(), TEXTBOOK) else "base"
@@ -132,7 +132,7 @@ class DesignExperiment(Command):
         return found
 
     def _problem(self) -> tuple[Problem, dict[str, Any]]:
-        """The unknowns, and what is known of them."""
+        """Return the unknowns, and what is known about them."""
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
                 raise BadArgument("parameters", "must not be given with --after, whose file says them")
@@ -154,7 +154,7 @@ class DesignExperiment(Command):
         return scenarios.Choice(robot=self.robot or "mamba", water=self.water, parameters=self.base, joints=self.joints)
 
     def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Measurement]:
-        """A candidate per gait and robot: those of a fit, or what the names stand for."""
+        """Return a candidate per gait and robot; robots and waters are those of a fit, or what the names stand for."""
         flags = self.candidates
         kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
         robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
@@ -209,7 +209,7 @@ def _listed(key: str, names: Sequence[str], judged: Iterable[Judged]) -> list[di
 def _tables(
     labels: Sequence[str], steps: Iterable[tuple[str, Any]], alone: Iterable[Judged], shown: Callable[[float], str]
 ) -> list[str]:
-    """What becomes of some numbers by one trial after the other, and by the best one of each kind."""
+    """Return tables of some numbers after successive trials, and after the best trial of each kind alone."""
     kinds: dict[str, tuple[str, Any]] = {}
     for one, found in alone:
         kinds.setdefault(one.group, (f"best {one.group}: {one.name}", found))
@@ -221,7 +221,7 @@ def _tables(
 
 
 def _design_said(found: Design) -> Outcome:
-    """The trials in their order, the expected standard deviations after each, and what each is good for."""
+    """Report the trials in order, the expected standard deviations after each, and what each contributes."""
     facts = {
         "criterion": found.criterion,
         "values": _by_name(found.names, found.values),
@@ -242,7 +242,7 @@ def _design_said(found: Design) -> Outcome:
 
 
 def _rivals_said(found: Discrimination) -> Outcome:
-    """The trials in their order, and the chance of a wrong verdict about every two models after each."""
+    """Report the trials in order and, after each, the probability of a wrong verdict for every pair of models."""
     names = [" / ".join(pair) for pair in found.pairs]
     listed = {key: _listed("distance", names, of) for key, of in (("trials", found.steps), ("candidates", found.alone))}
     title = (

@@ -1,4 +1,4 @@
-"""`laticauda drivers`: which drivers there are, and what comes from one alone."""
+"""`laticauda drivers`: the available drivers, and the data from one of them alone."""
 
 from laticauda.cli import command, tables
 from laticauda.errors import BadArgument
@@ -10,9 +10,9 @@ from laticauda.quantities import option, quantity, value
 
 @value
 class Drivers(command.Command):
-    """List the drivers of devices, or try one alone: connect, listen, print what comes, how often, and how old it is.
+    """List the device drivers, or try one alone: connect, listen, print what arrives, how often, and how old it is.
 
-    Nothing moves: modules are asked to measure only. The status is 1 if nothing comes, or the driver reports a fault.
+    Nothing moves: modules only measure. The exit status is 1 if nothing arrives or the driver reports a fault.
 
     For example: laticauda drivers --mocap qtm@127.0.0.1:22223
     """
@@ -25,7 +25,7 @@ class Drivers(command.Command):
     duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)
 
     def run(self) -> command.Outcome:
-        """Try it."""
+        """List the drivers, or try one."""
         wanted = {kind: typed for kind in drivers.KINDS if (typed := getattr(self, kind)) is not None}
         if not wanted:
             known = {kind: base.names() for kind, base in drivers.KINDS.items()}

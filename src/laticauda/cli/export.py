@@ -16,7 +16,7 @@ OUTPUT = "The file to write; an older one is replaced"
 
 @value
 class Urdf(command.Command):
-    """Write a robot to a URDF file, for ROS and most other programs about robots.
+    """Write a robot to a URDF file, for ROS and most other robotics software.
 
     For example: laticauda export urdf --robot mamba-modules-fin --output mamba.urdf
     """
@@ -36,7 +36,7 @@ class Urdf(command.Command):
         """Write the file.
 
         Args:
-            robot: What it is to hold.
+            robot: Robot to write.
         """
         from laticauda.spatial.urdf import write_urdf
 
@@ -45,7 +45,7 @@ class Urdf(command.Command):
 
 @value
 class Mjcf(Urdf):
-    """Write a robot, and the place that it is in, to an MJCF file that plain MuJoCo opens.
+    """Write a robot and its surroundings to an MJCF file that plain MuJoCo opens.
 
     For example: laticauda export mjcf --robot mamba-modules-fin --scene tank --actuators servo --output mamba.xml
     """
@@ -70,7 +70,7 @@ class Mjcf(Urdf):
 
 @value
 class Compiled(OfScenario):
-    """A robot in water as machine code."""
+    """A command that exports a robot in water as machine code."""
 
     output: Annotated[flags.Made, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
     inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
@@ -79,8 +79,8 @@ class Compiled(OfScenario):
         """Write the file.
 
         Args:
-            write: What does so, and returns the variables.
-            settings: Options that it takes.
+            write: Function that writes the file and returns the variables.
+            settings: Names of the options that it takes.
         """
         scenario = self.chosen
         if not isinstance(scenario.environment, lc.Water):
@@ -99,9 +99,9 @@ class Compiled(OfScenario):
 class Fmu(Compiled):
     """Write a robot in water to an FMU (co-simulation) that runs without Python.
 
-    Its inputs are the gait's numbers or the references of the joints, and the current; its outputs motion, torques and
-    power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write,
-    and for other platforms than this one the package ziglang.
+    Its inputs are the gait parameters or the joint references, and the current; its outputs are motion, torques and
+    power. Gait, coefficients and start keep their values unless the importing tool sets them. Writing the file requires
+    a C compiler and, for platforms other than this one, the package ziglang.
 
     For example: laticauda export fmu --robot mamba-fin --joints servo --inputs references --output mamba.fmu
     """
@@ -121,10 +121,10 @@ class Fmu(Compiled):
 
 @value
 class C(Compiled):
-    """Write a robot in water to a library in C that runs without Python, and a header that says what is in it.
+    """Write a robot in water to a C library that runs without Python, with a header that describes its contents.
 
-    For robots' own computers, and for whatever can call C. The header names the variables, their units and ranges; they
-    are those of an FMU. It takes a C compiler to write, and for other platforms than this one the package ziglang.
+    For onboard computers, and any program that can call C. The header lists the variables, which are those of an FMU,
+    with units and ranges. Writing the files requires a C compiler and, for other platforms, the package ziglang.
 
     For example: laticauda export c --robot mamba-fin --platform aarch64 --static --output mamba.h
     """
@@ -144,7 +144,7 @@ class C(Compiled):
 
 @value
 class Web(command.Command):
-    """Write a page on which robots swim, a folder of files that needs no server: open its index.html in a browser.
+    """Write a page on which robots swim: a folder of files that needs no server; open its index.html in a browser.
 
     For example: laticauda export web --robots mamba-fin amphibot --output page
     """
@@ -162,7 +162,7 @@ class Web(command.Command):
 
 
 def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:
-    """What was written."""
+    """Report what was written."""
     facts = {"output": output, "robot": robot.name, "n_links": robot.n_links, "mass": robot.mass}
     kilobytes = Path(output).stat().st_size / 1000.0
     return command.Outcome(

@@ -1,8 +1,8 @@
-"""Flags are read off declared values: name, unit, range, default and text are said once, by the value itself.
+"""Flags derived from declared values: name, unit, range, default and text are stated once, by the value itself.
 
 A command is a `value` whose fields are options, or values whose fields are options. An angle is given in degrees, under
-its name with ``-deg`` or ``-deg-s``. Defaults are those of the command that is handed in, so what a preset or a file
-says is what the help shows, and what the flags change.
+its name with ``-deg`` or ``-deg-s``. Defaults are those of the command that is passed in, so the help shows, and the
+flags change, the values of a preset or a file.
 """
 
 import math
@@ -30,38 +30,38 @@ Command = TypeVar("Command")
 TOLD: dict[str, Any] = read_toml(Path(__file__).with_suffix(".toml"))
 NOT_FLAGS, CALLED, SPELLED = TOLD["not_flags"], TOLD["called"], TOLD["spelled"]
 PRESETS = ("robot", "water", "ground", "parameters", "base")
-"""Fields that a preset's name or the path of a file says."""
+"""Fields that are given by the name of a preset or the path of a file."""
 LAST = "scenario"
-"""The field whose numbers, the many that specialists change, the help lists last."""
+"""Field whose many numbers, meant for specialists, are listed last in the help."""
 WIDTH = 110
 OBJECTS: dict[type, tuple[str, Callable[[Sequence[str]], object]]] = {}
-"""Of what may stand in the place of numbers: how the help shows words that say it, and what is made of them."""
+"""By type of object that may replace numbers: how the help shows its words, and the function that reads them."""
 _IN_DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 
 
 class BadFlag(Exception):
-    """A flag that cannot be used: the sentence that its user reads."""
+    """A flag that cannot be used; the message is the sentence that the user reads."""
 
 
 @dataclass(frozen=True)
 class Written:
-    """Marks the name of a file that a command will write."""
+    """Mark for the name of a file that a command will write."""
 
     endings: tuple[str, ...] = ()
-    """What it may end in; none: those of the formats of trials."""
+    """Allowed endings; if empty, those of the trial formats."""
 
 
 def flag(name: str) -> str:
-    """How an option is typed."""
+    """Return an option as it is typed."""
     return "--" + name.replace("_", "-")
 
 
 def was_typed(name: str, words: Sequence[str]) -> bool:
-    """Whether an option is among the words.
+    """Return whether an option is among the words.
 
     Args:
-        name: Of its field.
-        words: What was typed.
+        name: Name of its field.
+        words: Words that were typed.
     """
     return any(word.split("=")[0] == flag(name) for word in words)
 
@@ -73,7 +73,7 @@ def _words(
     shown: Callable[[Any], list[str]] | None = None,
     choices: tuple[str, ...] | None = None,
 ) -> Any:
-    """A flag that takes one word, or several, and what it makes of them."""
+    """Return the specification of a flag that takes one or several words, and how they are read."""
     return PrimitiveConstructorSpec[Any](
         nargs=nargs,
         metavar=metavar,
@@ -89,7 +89,7 @@ def _first(words: list[str]) -> str:
 
 
 def _place(metavar: str, nargs: int | Literal["*"] = 1) -> Any:
-    """A flag that takes the name of a file or a folder, or several."""
+    """Return the specification of a flag that takes one or several names of files or folders."""
 
     def read(words: list[str]) -> Any:
         if "" in words:
@@ -127,21 +127,21 @@ Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _place("FILES ...", "*
 def read(
     command: type[Command], words: Sequence[str], prog: str, default: Command | None = None, *, first: bool = False
 ) -> Any:
-    """A command with the flags that were typed.
+    """Return a command with the flags that were typed.
 
     Args:
-        command: Its class.
-        words: What was typed behind its name.
-        prog: What the help calls it.
-        default: What flags that were left out have; None: what the class declares.
-        first: Only look: what is not known yet is left alone, help too.
+        command: Class of the command.
+        words: Words typed after its name.
+        prog: Name of the command in the help.
+        default: Values of flags that were left out; None: those that the class declares.
+        first: Read only the known flags; ignore unknown words and requests for help.
 
     Raises:
         BadFlag: If a flag cannot be used.
-        SystemExit: If the help was asked for, or a flag is unknown.
+        SystemExit: If the help was requested or a flag is unknown.
     """
     for before, word in zip((prog, *words), words, strict=False):
-        if "\0" in word:  # no file has such a name, and no shell hands one on
+        if "\0" in word:  # no file has such a name, and no shell passes one on
             raise BadFlag(f"{before} must have no null character behind it, got {word!r}.")
     found: Any = tyro.cli(
         command,
@@ -158,17 +158,17 @@ def read(
 
 
 def wrapped(text: str) -> str:
-    """A text in lines for which a terminal has room; tyro would join those that are not indented."""
+    """Wrap a text to the width of the terminal; tyro would join lines that are not indented."""
     width = min(WIDTH, shutil.get_terminal_size().columns)
     how: Any = {"width": width, "break_on_hyphens": False, "subsequent_indent": "  "}
     return "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in text.split("\n\n"))
 
 
 def parts_of(command: object) -> Iterator[Any]:
-    """A command, and all values in it whose fields are options too.
+    """Yield a command, and all values in it whose fields are also options.
 
     Args:
-        command: Any.
+        command: Any command.
     """
     yield command
     for field in fields(cast(Any, command)):
@@ -178,24 +178,24 @@ def parts_of(command: object) -> Iterator[Any]:
 
 
 def options_of(command: object) -> dict[str, Any]:
-    """The options of a command by the name of their field, those of its parts too."""
+    """Return the options of a command and its parts, by field name."""
     held = ((field.name, getattr(part, field.name)) for part in parts_of(command) for field in fields(part))
     return {name: one for name, one in held if not is_declared(one)}
 
 
 @cache
 def marks_of(kind: type) -> Mapping[str, tuple[Any, ...]]:
-    """What marks the fields of a command or of a part of it: as `Written`, or that it comes without a flag."""
+    """Return the marks on the fields of a command or a part of it: `Written`, for example, or that it has no flag."""
     hints = typing.get_type_hints(kind, include_extras=True)
     return {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
 
 
 def spelled(name: str, command: object) -> str:
-    """How a field is typed, if it is an option of the command; else its name in backticks.
+    """Return how a field is typed if it is an option of the command, otherwise its name in backticks.
 
     Args:
-        name: Of an argument.
-        command: The command that was running.
+        name: Name of an argument.
+        command: Command that was running.
     """
     bare = CALLED.get(name, name).split("[")[0]
     if command is None:  # a name among the flags that are read first
@@ -210,7 +210,7 @@ def spelled(name: str, command: object) -> str:
 
 
 def is_declared(thing: object) -> bool:
-    """Whether this is a value whose fields are declared."""
+    """Return whether `thing` is a value whose fields are declared."""
     return is_dataclass(thing) and not isinstance(thing, type) and any(texts_of(type(thing)).values())
 
 
@@ -223,12 +223,12 @@ def _declared_values(info: Any) -> StructConstructorSpec | None:
     if not (isinstance(kind, type) and is_dataclass(kind) and any(texts_of(kind).values())):
         return None
     default = info.default if is_declared(info.default) else None
-    is_of_cli = kind.__module__.startswith(__name__.rpartition(".")[0]) or hasattr(kind, "read")  # as commands have
+    is_of_cli = kind.__module__.startswith(__name__.rpartition(".")[0]) or hasattr(kind, "read")  # like commands
     return _options(kind, default, nested=not is_of_cli)
 
 
 def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructorSpec:
-    """The flags of a class of values, and how a value is made of them."""
+    """Return the flags of a class of values, and how a value is made from them."""
     hints = typing.get_type_hints(kind, include_extras=True)
     specs: list[StructFieldSpec] = []
     of_flag: dict[str, str] = {}
@@ -246,7 +246,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             continue
         name += "" if declared is None else DEGREES.get(declared.unit, "")
         of_flag[name] = field.name
-        usual = tyro.MISSING if usual is MISSING or usual == "" else usual  # no text: it has to be typed
+        usual = tyro.MISSING if usual is MISSING or usual == "" else usual  # empty text: must be typed
         specs.append(StructFieldSpec(name=name, type=option, default=usual, helptext=f"{texts_of(kind)[field.name]}."))
 
     def make(**given: Any) -> Any:
@@ -264,13 +264,13 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
 
 
 def _waves_of(kind: type[Any]) -> list[str]:
-    """The second waves that a value may have or lack: of a gait its pitch joints' and its fin's."""
-    gaits = sys.modules.get("laticauda.gaits.gait")  # not imported here: the list of commands does without
+    """Return the names of the optional second waves of a value: for a gait, those of its pitch joints and its fin."""
+    gaits = sys.modules.get("laticauda.gaits.gait")  # not imported here: the list of commands does not need it
     return [] if gaits is None else [name for name, hint in hints_of(kind).items() if hint == gaits.Wave | None]
 
 
 def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
-    """The flags of a second wave, which the gait has if one of them is typed, by the wave's field."""
+    """Return the flags of a second wave, each with its field; the gait has the wave if one of them is typed."""
     from laticauda.gaits import Wave
 
     usual, text = getattr(gait, wave), texts_of(gait.__class__)[wave].partition(";")[0]
@@ -285,7 +285,7 @@ def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
 
 
 def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
-    """A gait with a second wave if one was typed; what was left out is the wave's or the gait's own, or nothing."""
+    """Return a gait with a second wave if one was typed; omitted numbers are those of the wave or the gait, or zero."""
     from laticauda.gaits import Wave
 
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
@@ -300,10 +300,10 @@ def _default_of(field: Any) -> Any:
 
 
 def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, usual: Any) -> Any:
-    """What tyro is told about a field; None: it is no flag."""
+    """Return the type of a field for tyro; None if it is not a flag."""
     if get_origin(annotated) is Annotated:
         return annotated
-    if hint is Any:  # what a command keeps for itself
+    if hint is Any:  # internal to a command
         return None
     if declared is not None:
         return Annotated[Any, _numbers(declared, hint, name)]
@@ -324,7 +324,7 @@ def _is_union(hint: Any) -> bool:
 
 
 def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
-    """A flag that takes one number, or several, in the unit that people type."""
+    """Return the specification of a flag that takes one or several numbers, in the unit that users type."""
     inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
     several = get_origin(inner[0]) is tuple
     count = len(get_args(inner[0])) if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis else None
@@ -339,7 +339,7 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
 def _numbers_or_object(
     numbers: Callable[[list[str]], Any], made: Callable[[Sequence[str]], Any], words: list[str]
 ) -> Any:
-    """What words mean of which the first is a number, or is none."""
+    """Read words as numbers if the first one is a number, otherwise as an object."""
     try:
         float(words[0] if words else "0")
     except ValueError:
@@ -361,7 +361,7 @@ def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
 
 
 def _reader(declared: Quantity, is_whole: bool, several: bool, option: str) -> Callable[[list[str]], Any]:
-    """From words to numbers; what is out of range is refused in the unit that was typed."""
+    """Return a function from words to numbers; it rejects values out of range in the unit that was typed."""
     in_degrees = declared.unit in DEGREES
     rule = declared.in_degrees if in_degrees else declared
 

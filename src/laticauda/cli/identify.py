@@ -25,7 +25,7 @@ FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
 
 @value
 class What:
-    """What is identified, from what."""
+    """What is identified, and from which measurements."""
 
     parameters: Words = option(
         "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its "
@@ -46,7 +46,7 @@ class What:
 
 @value
 class Fixed:
-    """What stays as it is."""
+    """What is held fixed."""
 
     robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
     base: str | None = option("Parameter file for the rest, with a joint law; else as the trials say", default=None)
@@ -56,7 +56,7 @@ class Fixed:
 
 @value
 class Method:
-    """How."""
+    """How parameters are fitted."""
 
     noise: Literal["known", "estimated"] = option("Known as stated, or times an estimated factor", default="estimated")
     starts: int = quantity("", "How many starts the search has", ge=1, default=4)
@@ -74,8 +74,8 @@ class Identify(Command):
     For example: laticauda identify run-1.nc run-2.nc --parameters water.tangential_friction water.normal_drag=0.5:4
     --robot mamba --output tank
 
-    The same from one file that holds everything: laticauda identify tank.toml. Writes parameters.toml, for the option
-    --parameters of other commands, the report identify.html, fit.json, figures and tables.
+    The same from one file that holds everything: laticauda identify tank.toml. Writes parameters.toml (for the option
+    --parameters of other commands), the report identify.html, fit.json, figures and tables.
     """
 
     files: Inputs = option("One TOML file that says all, or trials: netCDF, MCAP, or with --columns others", default=())
@@ -89,14 +89,14 @@ class Identify(Command):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "Identify":
-        """The command that was typed; see `Command.read`."""
+        """Return the command that was typed; see `Command.read`."""
         return replace(super().read(words, prog), words=tuple(words))
 
     def run(self) -> Outcome:
-        """Identify and write."""
+        """Identify, and write the results."""
         task, folder = self._task(), Path(self.output)
         writable_folder(folder)
-        templates()  # what the report needs is asked for before the search
+        templates()  # check for the report's requirements before the search
         if not self.laws:
             done, files = self._identified(task, folder)
             facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
@@ -117,7 +117,7 @@ class Identify(Command):
         return shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
 
     def _identified(self, task: tasks.Task, folder: Path) -> tuple[validation.Validation, list[str]]:
-        """What was found, and the files with it."""
+        """Run a task; return its results and the names of the files written."""
         best, bar = writable_folder(folder) / "best.json", progress(SHARE)
         found = task.run(
             threads=self.method.threads,
@@ -137,7 +137,7 @@ class Identify(Command):
         return done, files
 
     def _task(self) -> tasks.Task:
-        """What is asked for."""
+        """Return the requested task."""
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
                 task = tasks.task_from_table(self._table(), self.name or "identified", Path())
@@ -151,7 +151,7 @@ class Identify(Command):
         return replace(task, options={**task.options, **typed}, name=self.name or task.name)
 
     def _table(self) -> dict[str, Any]:
-        """What the flags say, as a file would."""
+        """Return the flags in the form of a task file."""
         if not (self.files or self.what.table or self.what.table1):
             raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
         if not self.what.parameters:
@@ -161,7 +161,7 @@ class Identify(Command):
         short = [Path(file).stem for file in self.files]
         trials: list[dict[str, Any]] = []
         for file, stem in zip(self.files, short, strict=True):
-            name = stem if short.count(stem) == 1 else file  # with its folder where two are alike
+            name = stem if short.count(stem) == 1 else file  # with its folder if two are alike
             columns = {} if Path(file).suffix.lower() in (".nc", ".mcap") else {"columns": self.what.columns}
             trials.append({"file": file, "name": name, **columns, **counted})
         given: dict[str, Any] = {
@@ -180,7 +180,7 @@ def _is_whole(found: result.Fit) -> bool:
 
 
 def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
-    """Figures and series that count."""
+    """Return the figures and series that are fitted, with their standard deviations."""
     found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
     form = "NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01"
     for word in words:
@@ -193,7 +193,7 @@ def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
 
 
 def _unknown(word: str) -> dict[str, Any]:
-    """One of `parameters`, as a file has it."""
+    """Return one of `parameters` in the form of a task file."""
     if "=" not in word:
         return {"name": word}
     name, sign, ends = numbers("parameters", word, FORM, "+-", ":")
@@ -203,7 +203,7 @@ def _unknown(word: str) -> dict[str, Any]:
 
 
 def _text(done: validation.Validation, folder: Path) -> str:
-    """The parameters, what the data do not see, the errors, and where everything is."""
+    """Return the parameters, what the data do not determine, the errors, and the location of the files as text."""
     found, tables = done.found, identification_tables(done)
     rows = [{name: one for name, one in row.items() if name not in ("prior", "range")} for row in tables["parameters"]]
     parts = [found.status, table(rows)]

@@ -1,4 +1,4 @@
-"""`laticauda operate`: a trial file or a series file on the robot, virtual or real."""
+"""`laticauda operate`: run a trial file or a series file on the robot, virtual or real."""
 
 import math
 import sys
@@ -18,10 +18,10 @@ from laticauda.quantities import option, quantity, value
 
 @value
 class Operate(command.Command):
-    """Operate the robot: connect, check, calibrate, swim, stop, and keep everything; nothing is ever overwritten.
+    """Operate the robot: connect, check, calibrate, swim, stop, and record everything; nothing is ever overwritten.
 
-    Space, q or Ctrl-C straighten and stop the robot; the second time, it is the emergency stop. The virtual tank of
-    `laticauda lab` is operated like the robot.
+    Space, q or Ctrl-C straightens and stops the robot; the second press is the emergency stop. The virtual tank of
+    `laticauda lab` is operated like the real robot.
 
     For example: laticauda operate trial.toml --output runs
     """
@@ -67,7 +67,7 @@ class Operate(command.Command):
             )
 
     def _checked(self, series: settings.SeriesFile) -> command.Outcome:
-        """Check what a series is to be run with, each robot and connection once."""
+        """Check the hardware for a series, each combination of robot and connection once."""
         different = {(one.robot, one.connection): one for one in reversed(list(map(self._chosen, series.trials)))}
         found = [self._operate(one, None).summary() for one in reversed(different.values())]
         succeeded = all(one["accepted"] for one in found)
@@ -81,7 +81,7 @@ class Operate(command.Command):
         return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
 
     def _place(self, operation: settings.Operation, repeat: int) -> None:
-        """Ask for the robot to be put where the next run starts."""
+        """Ask the operator to put the robot where the next run starts."""
         if operation.start is None:
             return
         x, y = operation.start.position
@@ -91,13 +91,13 @@ class Operate(command.Command):
             input("Enter when it lies there: ")
 
     def _shown(self, operation: settings.Operation) -> Any:
-        """What shows the ticks: the dashboard, or plain lines on standard error."""
+        """Return what displays the ticks: the dashboard, or plain lines on standard error."""
         if self.no_dashboard or self.json or not sys.stdout.isatty():
             return nullcontext(terminal.print_events)
         return terminal.Dashboard(operation)
 
     def _chosen(self, operation: settings.Operation) -> settings.Operation:
-        """The file's operation, with what the options say otherwise."""
+        """Return the operation of the file, modified by the options."""
         connection = operation.connection.at(bus=self.bus, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
         return replace(operation, connection=connection, supply_voltage=voltage)

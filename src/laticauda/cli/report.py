@@ -1,4 +1,4 @@
-"""A trial as text to read, and as JSON: what moved, in what, how, and the figures beside what was measured."""
+"""A trial as readable text and as JSON: robot, environment, gait and run, with figures and measured values."""
 
 import dataclasses
 import textwrap
@@ -14,11 +14,11 @@ from laticauda.robot import SEEN, TEXTBOOK, Ground, coefficients, in_a_line
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
-LEFT_OUT = ("duration",)  # said once, at the top
+LEFT_OUT = ("duration",)  # stated once, at the top
 
 
 def facts_of(trial: Trial) -> dict[str, Any]:
-    """In SI units, for JSON: the trial's summary, what was measured, and how the run was made."""
+    """Return the trial's summary, the measured values and the settings of the run for JSON, in SI units."""
     measured, environment = measured_counterpart(trial), dataclasses.asdict(trial.environment)
     found: dict[str, Any] = {
         **trial.summary(),
@@ -38,11 +38,11 @@ def facts_of(trial: Trial) -> dict[str, Any]:
 
 
 def as_text(trial: Trial, origin: str = "") -> str:
-    """The same as a table to read, angles in degrees.
+    """Return a trial as a readable table, with angles in degrees.
 
     Args:
-        trial: Any trial, a failed one too.
-        origin: Where the coefficients of water or ground are from, in words.
+        trial: Any trial, including a failed one.
+        origin: Source of the coefficients of water or ground, in words.
     """
     head = [("robot", trial.robot.words), ("gait", _gait(trial.gait))]
     head.append(("ground" if isinstance(trial.environment, Ground) else "water", _environment(trial, origin)))
@@ -58,7 +58,7 @@ def as_text(trial: Trial, origin: str = "") -> str:
 
 
 def following_table(trial: Trial) -> str:
-    """How soon and how well a run came to its path, a figure a line."""
+    """Return a table of how soon and how well a run converged to its path, one figure per line."""
     found = following.summary(trial)
     named = {name: one for name, one in following.FIGURES.items() if "height" not in name or found[name] is not None}
     rows = [(title, *read_in(found[name], unit)) for name, (unit, title) in named.items()]
@@ -66,7 +66,7 @@ def following_table(trial: Trial) -> str:
 
 
 def figure_table(trial: Trial) -> str:
-    """Every figure that has a meaning for this run, with the measured value and the difference where there is one."""
+    """Return a table of the figures that apply to this run, with measured values and differences where available."""
     summary = trial.summary()
     measured = _measured(trial)
     names = ("measured", "the paper's") if _is_measured(trial) else ("simulated", "measured")
@@ -74,7 +74,7 @@ def figure_table(trial: Trial) -> str:
     for figure in FIGURES:
         value: Any = summary[figure.name]
         beside = measured.get(figure.name)
-        # The power that `mean_power` is need not come twice.
+        # The power that `mean_power` stands for need not be listed twice.
         if figure.name in LEFT_OUT or figure.name == f"{trial.mean_power_kind}_power":
             continue
         if value is None and beside is None:
@@ -89,7 +89,7 @@ def figure_table(trial: Trial) -> str:
 
 
 def _measured(trial: Trial) -> dict[str, float]:
-    """What the paper measured, by the names of the figures; its power is electrical."""
+    """Return the paper's measured values by the names of the figures; its power is electrical."""
     measured = measured_counterpart(trial)
     power = "mean_power" if trial.mean_power_kind == "electrical" else "electrical_power"
     found = {} if measured is None else {"forward_velocity": measured.forward_velocity, power: measured.mean_power}
@@ -97,7 +97,7 @@ def _measured(trial: Trial) -> dict[str, float]:
 
 
 def _notes(trial: Trial) -> str:
-    """What the figures do not say: what was measured, and why figures are missing."""
+    """Return notes on the figures: what was measured, and why figures are missing."""
     notes: list[str] = []
     measured = measured_counterpart(trial)
     if measured is not None:
@@ -114,13 +114,13 @@ def _notes(trial: Trial) -> str:
     for name, reason in trial.figures()[1].items():
         by_reason.setdefault(reason, []).append(name)
     for reason, names in by_reason.items():
-        why = reason.replace("`time` must", "The run must")  # it is no argument of whoever reads this
+        why = reason.replace("`time` must", "The run must")  # the reader of the text passes no such argument
         notes.append(f"Not available: {', '.join(names).replace('_', ' ')}. {why}")
     return _filled(notes)
 
 
 def _is_measured(trial: Trial) -> bool:
-    """Whether it comes from data or from a robot that was operated, and not from a model."""
+    """Return whether the trial comes from data or an operated robot rather than from a model."""
     return trial.settings.get("model") in ("measured", "robot")
 
 
@@ -129,11 +129,11 @@ def _is_of_textbook(trial: Trial) -> bool:
 
 
 def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]]) -> str:
-    """Between what the figures lie as far as the coefficients are known, a figure a line.
+    """Return a table of the intervals in which the figures lie, given those of the coefficients, one figure per line.
 
     Args:
-        trial: The run.
-        intervals: Of `laticauda.simulate.spread`.
+        trial: Trial of the run.
+        intervals: Intervals from `laticauda.simulate.spread`.
     """
     rows = [("if the coefficients lie in their intervals", "from", "to", "")]
     for figure in (one for one in FIGURES if one.name in intervals and one.name not in LEFT_OUT):
@@ -195,7 +195,7 @@ def _run(trial: Trial) -> str:
 
 
 def _wrapped(rows: list[tuple[str, str]]) -> str:
-    """Rows of a name and a text, the text over several lines where it is long."""
+    """Format rows of a name and a text, wrapping long texts."""
     width = max(len(name) for name, _ in rows) + 2
     lines = (
         textwrap.fill(text, WIDTH, initial_indent=name.ljust(width), subsequent_indent=" " * width)

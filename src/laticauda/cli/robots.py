@@ -1,4 +1,4 @@
-"""`laticauda robots`: what there is to swim, where, and with which parameters."""
+"""`laticauda robots`: the available robots, environments and parameters."""
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
     "currents": (robot.current_names, robot.load_current),
     "parameters": (robot.parameter_names, robot.load_parameters),
 }
-"""What there are presets of: their names, and what a name stands for."""
+"""By kind of preset: the function that lists the names, and the one that loads a name."""
 WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "added_mass_form", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
 
@@ -35,7 +35,7 @@ class Robots(command.Command):
     toml: bool = option("Print its TOML file, to change and to swim with", default=False)
 
     def run(self) -> command.Outcome:
-        """Load, and describe."""
+        """Load and describe."""
         if self.toml and self.json:
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
@@ -47,13 +47,13 @@ class Robots(command.Command):
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
         facts = robot.summary(thing) if isinstance(thing, Robot) else {}
         return command.Outcome(
-            facts={**tomllib.loads(toml), **facts},  # all fields, as its TOML file has them, under the main facts
+            facts={**tomllib.loads(toml), **facts},  # all fields as in its TOML file; the main facts take precedence
             text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else robot.describe(thing),
         )
 
 
 def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
-    """The preset of that name, of whatever kind, or what a file holds."""
+    """Return the preset of that name, of any kind, or the contents of a file."""
     for names, load in KINDS.values():
         if name in names():
             return load(name)
@@ -89,7 +89,7 @@ def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
-    """A row per water or ground, with what its description says about these facts."""
+    """Return a row per water or ground, with these facts from its description."""
     names, load = KINDS[f"{kind}s"]
     found = {name: robot.coefficients(load(name)) for name in names()}
     return [{kind: name, **{fact: one[fact] for fact in facts}} for name, one in found.items()]

@@ -1,7 +1,7 @@
 """`laticauda swim | follow | replay`: one run of one robot, its figures, file and picture.
 
-It swims its gait or follows a path; or it swam, and its recorded operation becomes a trial, and goes once more through
-the estimator and the controller.
+The robot swims its gait or follows a path; or its recorded operation becomes a trial, and passes through the estimator
+and the controller again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from laticauda.quantities import option, quantity, value
 
 @value
 class Recording(trial.Filming):
-    """A command that makes a trial, and what becomes of that."""
+    """A command that makes a trial, with the options for its output."""
 
     save: Stored = option("Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None)
     plot: Picture = option(
@@ -34,14 +34,14 @@ class Recording(trial.Filming):
         facts: Mapping[str, Any] | None = None,
         beside: Sequence[lc.Trial] = (),
     ) -> command.Outcome:
-        """Write what is asked for, and say what came out.
+        """Write the requested files, and report the results.
 
         Args:
-            trial: The run.
-            origin: Where its coefficients are from, in words.
-            more: What is printed below the table.
-            facts: What is known besides, for JSON.
-            beside: Of other robots in the same scene.
+            trial: Trial of the run.
+            origin: Source of its coefficients, in words.
+            more: Text printed below the table.
+            facts: Additional facts, for JSON.
+            beside: Trials of other robots in the same scene.
         """
         if self.save is not None:
             place = Path(self.save)
@@ -60,17 +60,17 @@ class Recording(trial.Filming):
 
 @value
 class Run(scene.OfScenario, Recording):
-    """A command that lets one scenario run."""
+    """A command that runs one scenario."""
 
     file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
     link_forces: bool = option("Log the force on every link too", default=False)
     save_scenario: Toml = option("Write what runs to this scenario file (.toml)", default=None)
 
     def swum(self, scenario: lc.Scenario) -> lc.Trial:
-        """The run of a scenario, which is written if that is asked for.
+        """Return the trial of a scenario, which is written to a file if requested.
 
         Args:
-            scenario: What runs.
+            scenario: Scenario to run.
         """
         if self.save_scenario is not None:
             lc.save_scenario(scenario, self.save_scenario)
@@ -80,7 +80,7 @@ class Run(scene.OfScenario, Recording):
 
 @value
 class Swim(Run):
-    """Let a robot swim a gait, from straight and at rest, and print its speed and power.
+    """Let a robot swim a gait, starting straight and at rest, and print its speed and power.
 
     For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130
     --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
@@ -93,11 +93,11 @@ class Swim(Run):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed; see `OfScenario.read`."""
+        """Return the command that was typed; see `OfScenario.read`."""
         return SwimOn.read(words, prog) if flags.was_typed("resume", words) else super().read(words, prog)
 
     def run(self) -> command.Outcome:
-        """Run and write."""
+        """Run, and write the results."""
         if self.beside:
             return self._together()
         trial = self.swum(self.chosen)
@@ -107,7 +107,7 @@ class Swim(Run):
         return self.outcome(trial, self.origin, f"\n\n{report.interval_table(trial, found)}", {"interval": found})
 
     def _together(self) -> command.Outcome:
-        """The robot and those of further scenario files, in one scene."""
+        """Run the robot and those of further scenario files in one scene."""
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
         trial, *others = lc.swim_together(scenarios, progress=command.run_bar(self.chosen.duration))
         facts = {"beside": [report.facts_of(one) for one in others]}
@@ -116,7 +116,7 @@ class Swim(Run):
 
 @value
 class SwimOn(Recording):
-    """Go on from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
+    """Continue from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
 
     resume: File = option("The stored trial", default=None)
     duration: float = quantity("s", "How much longer", gt=0.0, default=30.0)
@@ -124,10 +124,10 @@ class SwimOn(Recording):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
-        """The command that was typed; arguments as for `Swim.read`.
+        """Return the command that was typed; arguments as for `Swim.read`.
 
         Raises:
-            BadFlag: If an option says what the stored trial says.
+            BadFlag: If an option sets what the stored trial already defines.
         """
         allowed = {flags.flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
         for word in words:
@@ -136,7 +136,7 @@ class SwimOn(Recording):
         return flags.read(cls, words, prog)
 
     def run(self) -> command.Outcome:
-        """Run and write."""
+        """Run, and write the results."""
         assert self.resume is not None
         first = lc.load_trial(self.resume)
         if not isinstance(first.scenario, lc.Scenario):
@@ -160,7 +160,7 @@ class SwimOn(Recording):
 
 @value
 class Route(control.Course):
-    """Where to go, and by which law."""
+    """Where to go, and by which guidance law."""
 
     waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
@@ -173,7 +173,7 @@ class Route(control.Course):
 
     @property
     def following(self) -> control.Following:
-        """In numbers, with the paper's settings for Mamba, and where published integral guidance starts from."""
+        """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
         if len(self.waypoints) % 2:
             count = len(self.waypoints)
             raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
@@ -189,7 +189,7 @@ class Route(control.Course):
 
 @value
 class Follow(Run):
-    """Let a robot follow a path with its gait, from beside it, and print how soon and how well it came there.
+    """Let a robot follow a path with its gait, starting off the path, and print how soon and how well it converges.
 
     For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60 --save run.nc --plot
     run.png
@@ -199,7 +199,7 @@ class Follow(Run):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed; see `OfScenario.read`."""
+        """Return the command that was typed; see `OfScenario.read`."""
         names, route = scene.Names.read(words, prog), flags.read(Route, words, prog, first=True)
         scenario, origin = names.scenario(words)
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
@@ -209,15 +209,15 @@ class Follow(Run):
         return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
 
     def run(self) -> command.Outcome:
-        """Run and write."""
+        """Run, and write the results."""
         trial = self.swum(self.steered(self.chosen))
         return self.outcome(trial, self.origin, f"\n\n{report.following_table(trial)}")
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
-        """The scenario with the controller that is asked for.
+        """Return the scenario with the requested controller.
 
         Args:
-            scenario: With the numbers that were typed.
+            scenario: Scenario with the numbers that were typed.
         """
         motion = scenario.motion
         if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
@@ -227,7 +227,7 @@ class Follow(Run):
 
 @value
 class FollowPlanned(Follow):
-    """Let a robot follow a path by planning ahead, with a model that it fits to four trials of its own first.
+    """Let a robot follow a path by planning ahead, with a model that is first fitted to four trials of the robot.
 
     For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
     """
@@ -236,7 +236,7 @@ class FollowPlanned(Follow):
     plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
-        """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
+        """Fit a model of the gait, and return the scenario with a controller that uses it; see `Follow.steered`."""
         gait, model = scenario.gait, learned(scenario, self.plan.frequency_limits)
         speed = model.speed(gait.frequency, 0.0) if self.speed is None else self.speed
         path, plan = self.route.following.path, vars(self.plan)
@@ -245,11 +245,11 @@ class FollowPlanned(Follow):
 
 
 def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None) -> control.AveragedModel:
-    """How its gait moves its robot, from trials that are run now.
+    """Learn how the gait of a scenario moves its robot, by running trials.
 
     Args:
-        scenario: Of the robot.
-        frequency_limits: Least and greatest frequency of these; None: a third below and above the gait's [rad/s].
+        scenario: Scenario of the robot.
+        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above the gait's [rad/s].
     """
     from laticauda.studies import averaged_model
 
@@ -257,16 +257,16 @@ def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None 
     return averaged_model(simulate.plant(scenario), scenario.gait, frequency_limits, progress=show)
 
 
-# ---- what was operated -----------------------------------------------------------------------------------------------
+# ---- recorded operations ---------------------------------------------------------------------------------------------
 
 
 @value
 class Replay(Recording):
-    """Make a trial of a recorded operation, and print its figures.
+    """Make a trial from a recorded operation, and print its figures.
 
-    The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
-    goes. --estimate and --control run the recorded estimator and controller again on what was recorded, and --learn the
-    twin that learns.
+    The speed is by equation (5), the power by (4) from the power meter. A truncated recording is replayed as far as it
+    goes. --estimate and --control run the recorded estimator and controller again on the recorded data, --learn the
+    learning twin.
 
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
@@ -279,7 +279,7 @@ class Replay(Recording):
     plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None)
 
     def run(self) -> command.Outcome:
-        """Read, run again, and write."""
+        """Read, run again and write."""
         log = operate.read_operation(self.file)
         estimates = self._estimates(log)
         trial, timing = operate.trial_of(log, estimates), log.timing

@@ -1,4 +1,4 @@
-"""What swims, how and where: names are read first, and what they stand for is what further flags change."""
+"""What swims, how and where: names are read first, and further flags change what they stand for."""
 
 import sys
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ Kind = TypeVar("Kind", bound=Extensible)
 
 @value
 class Names(Choice):
-    """What swims, how and where, by name. The other flags change single numbers of it."""
+    """What swims, how and where, by name. The other flags change individual numbers."""
 
     water: str | None = option("A preset, a file or textbook; left out: textbook, Mamba's the paper's", default=None)
     gait: str = option(
@@ -42,16 +42,16 @@ class Names(Choice):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Self:
-        """The names among the words; what else is there is left to be read behind them.
+        """Return the names among the words; the other words are left to be read later.
 
         Args:
-            words: What was typed.
-            prog: What the help calls the command.
+            words: Words that were typed.
+            prog: Name of the command in the help.
         """
         return read(cls, words, prog, first=True)
 
     def motion(self) -> lc.Gait:
-        """Mamba's first trial of the paper, with the envelope that is asked for; or what was recorded."""
+        """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
         if self.joint_angles is not None:
             return lc.recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
         return replace(FIRST_GAIT, envelope=self._envelope())
@@ -65,13 +65,13 @@ class Names(Choice):
         return member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
     def scenario(self, words: Sequence[str]) -> tuple[Scenario, str]:
-        """What the names stand for, and where the environment is from, in words.
+        """Return the scenario that the names stand for, and the source of the environment in words.
 
         Args:
-            words: What was typed. A file may come first: its scenario is changed by those names that were typed.
+            words: Words that were typed. A file may come first; the names that were typed change its scenario.
         """
         if words and not words[0].startswith("-"):
-            for option in ("gait", "law", "joints", "scene"):  # a file imports nothing: what it names is typed too
+            for option in ("gait", "law", "joints", "scene"):  # a file imports nothing: what it names must be typed too
                 imported(getattr(self, option) or "", option)
             return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
         gait = self.motion()
@@ -81,7 +81,7 @@ class Names(Choice):
         return found, chosen.origin
 
     def _changed(self, found: Scenario, words: Sequence[str]) -> Scenario:
-        """A file's scenario with what was typed besides."""
+        """Return a file's scenario, changed by the names that were typed."""
         typed = {name for name in NAMES if was_typed(name, words)}
         envelope = self._envelope() if typed & {"gait", "envelope"} else found.gait.envelope
         is_kept = "envelope" not in typed and type(envelope) is type(found.gait.envelope)  # with the file's numbers
@@ -108,7 +108,7 @@ class Names(Choice):
         )
 
     def _known(self) -> Self:
-        """These names, with a joint law and a scene that are imported if they say from where."""
+        """Return these names; a joint law or a scene that is given as MODULE:CLASS is imported."""
         given = {name: imported(one, name) for name in ("joints", "scene") if (one := getattr(self, name)) is not None}
         return replace(self, **given)
 
@@ -116,13 +116,13 @@ class Names(Choice):
         if self.law is None:
             return environment
         law, field = member(lc.DragLaw, self.law, "law"), "drag" if isinstance(environment, lc.Water) else "friction"
-        is_kept = type(law) is type(getattr(environment, field))  # with the numbers that it has there
+        is_kept = type(law) is type(getattr(environment, field))  # with the numbers of the environment's law
         changes: Any = {field: law, "name": f"{environment.name} with {name_of(type(law))}"}
         return environment if is_kept else replace(environment, **changes)
 
 
 def _recorded(name: str) -> lc.JointAngles:
-    """The angles of a preset, of a table of them, or of a trial in any of its formats."""
+    """Return the joint angles of a preset, a table, or a trial in any of its formats."""
     if Path(name).suffix in ("", ".csv"):
         return lc.load_joint_angles(name)
     from laticauda.logs import load_trial
@@ -131,11 +131,11 @@ def _recorded(name: str) -> lc.JointAngles:
 
 
 def imported(name: str, option: str) -> str:
-    """The name of a law or an envelope. MODULE:CLASS is imported: the only way that something named is.
+    """Return the name of a law or an envelope; only MODULE:CLASS is ever imported.
 
     Args:
-        name: What was typed.
-        option: The option's field, for messages.
+        name: Name that was typed.
+        option: Field of the option, for messages.
 
     Raises:
         ValueError: If there is no such class.
@@ -143,7 +143,7 @@ def imported(name: str, option: str) -> str:
     module, colon, word = name.partition(":")
     if not colon:
         return name
-    if "" not in sys.path:  # as for `python -m`: one's own file lies in the folder that one is in
+    if "" not in sys.path:  # as for `python -m`: users' own files are in the current folder
         sys.path.insert(0, "")
     try:
         return name_of(getattr(import_module(module), word))
@@ -152,15 +152,15 @@ def imported(name: str, option: str) -> str:
 
 
 def member(base: type[Kind], name: str, option: str) -> Kind:
-    """One of those that a base has, by its name or as MODULE:CLASS, with its own defaults.
+    """Return an instance of a subclass of `base`, given by name or as MODULE:CLASS, with its default values.
 
     Args:
-        base: Of drag laws, envelopes or the like.
-        name: What was typed.
-        option: The option's field, for messages.
+        base: Base class of drag laws, envelopes or the like.
+        name: Name that was typed.
+        option: Field of the option, for messages.
 
     Raises:
-        ValueError: If there is none.
+        ValueError: If there is no such member.
     """
     try:
         return base.named(imported(name, option))()
@@ -171,13 +171,13 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
 
 
 def current(words: Sequence[str]) -> Flow:
-    """A flow that is typed: a preset, a file, or MODULE:CLASS of one's own, then NAME=VALUE for its other numbers.
+    """Return the flow that was typed: a preset, a file or MODULE:CLASS, then NAME=VALUE for its other numbers.
 
     Args:
-        words: What was typed; an angle under its name with ``-deg``.
+        words: Words that were typed; an angle under its name with ``-deg``.
 
     Raises:
-        BadFlag: If there is none, or it has no such number.
+        BadFlag: If there is no such flow, or it has no such number.
     """
     name, *changes = words
     try:
@@ -197,11 +197,11 @@ OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", current
 
 
 def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:
-    """Say that kernels will be compiled, if so.
+    """Print a notice if kernels will be compiled.
 
     Args:
-        environment: Where something is going to swim.
-        model: By which model.
+        environment: Environment of the run.
+        model: Model of the run.
     """
     if simulate.needs_compiling(environment, model):
         seconds = 25 if model == "spatial" or isinstance(model, Spatial) else 10
@@ -213,7 +213,7 @@ NAMES = tuple(field.name for field in fields(Names))
 
 @value
 class OfScenario(Command):
-    """A command about one scenario: names say which, and every number of what they stand for is a flag."""
+    """A command about one scenario: names select it, and each of its numbers is a flag."""
 
     choice: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
@@ -222,26 +222,26 @@ class OfScenario(Command):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed, its names first; see `Command.read`."""
+        """Return the command that was typed, reading its names first; see `Command.read`."""
         names = Names.read(words, prog)
         scenario, origin = names.scenario(words if "file" in cls.__dataclass_fields__ else ())
         return cls.about(scenario, words, prog, choice=names, origin=origin)
 
     @classmethod
     def about(cls, scenario: Scenario, words: Sequence[str], prog: str, **parts: Any) -> Self:
-        """The command whose scenario is known, but for single numbers.
+        """Return the command whose scenario is known except for individual numbers.
 
         Args:
-            scenario: What the names stand for.
-            words: What was typed.
-            prog: What the help calls the command.
-            parts: Other fields, as far as they are known.
+            scenario: Scenario that the names stand for.
+            words: Words that were typed.
+            prog: Name of the command in the help.
+            parts: Other fields that are known.
         """
         return read(cls, words, prog, cls(scenario=scenario, before=scenario, **parts))
 
     @property
     def chosen(self) -> Scenario:
-        """The scenario with the numbers that were typed; its water says by its name in what it differs."""
+        """Scenario with the numbers that were typed; the name of its water states how it differs."""
         water, old = self.scenario.environment, self.before.environment
         if not isinstance(water, lc.Water) or not isinstance(old, lc.Water):
             return self.scenario

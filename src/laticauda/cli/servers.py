@@ -1,6 +1,6 @@
 """`laticauda lab | serve | cockpit`: the virtual tank, robots in water for other programs, and the live page.
 
-Each serves until Ctrl-C, with one line that says where to reach it.
+Each serves until Ctrl-C, and prints one line with its address.
 """
 
 import sys
@@ -26,7 +26,7 @@ from laticauda.scenarios import model_of, named_after, water_for
 
 @value
 class Body:
-    """What swims, where."""
+    """What swims, and where."""
 
     robot: str = option("A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-modules")
     water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
@@ -36,13 +36,13 @@ class Body:
 
     @property
     def pool(self) -> Water:
-        """The water, as it was found."""
+        """The water as loaded."""
         return water_for(load_robot(self.robot), self.water)
 
 
 @value
 class Wires:
-    """How it is reached."""
+    """How the tank is reached."""
 
     bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] of processes, or socketcan[:NAME]", default="udp_multicast")
     host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
@@ -52,7 +52,7 @@ class Wires:
 
 @value
 class Time:
-    """Its clock, its chance, its faults."""
+    """Clock, random numbers and faults of the tank."""
 
     speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
     duration: float | None = quantity("s", "How long it runs, by the lab's clock; else until Ctrl-C", default=None)
@@ -62,9 +62,9 @@ class Time:
 
 @value
 class LabCommand(Command):
-    """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM's clients read, a power meter.
+    """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM clients read, a power meter.
 
-    It prints one line that says where to reach them. Lines that you type are for the person at the tank: `leak node=5
+    It prints one line with their addresses. Lines that you type instruct the person at the tank: `leak node=5
     duration=2` and other faults, `clear`, `carry X Y HEADING_DEG`, `truth`, `help`.
 
     For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
@@ -81,14 +81,14 @@ class LabCommand(Command):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
-        """The command that was typed; see `Command.read`."""
+        """Return the command that was typed; see `Command.read`."""
         body: Body = read(Body, words, prog, first=True)
         settings = model_of(body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene}))
         scene = getattr(settings, "scene", None) or Scene()
         return read(cls, words, prog, cls(body=body, coefficients=body.pool, servos=settings.joints, scene=scene))
 
     def run(self) -> None:
-        """Serve until Ctrl-C, or as long as is asked for."""
+        """Serve until Ctrl-C, or for the requested duration."""
         bus = protocol.bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
             raise BadArgument("bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}")
@@ -105,7 +105,7 @@ class LabCommand(Command):
             tank.body.trial(packaging.__version__).save(self.save)
 
     def _tank(self) -> "lab.Tank":
-        """The tank that is asked for, its kernels compiled."""
+        """Return the requested tank, with its kernels compiled."""
         robot = load_robot(self.body.robot)
         water = named_after(self.coefficients, self.body.pool)
         faults = () if self.time.faults is None else lab.load_faults(self.time.faults)
@@ -128,8 +128,8 @@ class LabCommand(Command):
 
 
 def _listen(served: "lab.Lab") -> None:
-    """Do what lines on the standard input say, until it ends."""
-    with suppress(OSError):  # there is none
+    """Carry out the lines on standard input until it ends."""
+    with suppress(OSError):  # there is no standard input
         for line in filter(str.strip, sys.stdin or ()):
             try:
                 print(served.call(lambda tank, line=line: lab.assist(tank, line)), file=sys.stderr, flush=True)
@@ -142,10 +142,10 @@ def _listen(served: "lab.Lab") -> None:
 
 @value
 class Serve(Command):
-    """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has a world of its own.
+    """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has its own world.
 
-    It prints one line that says where, with the token that clients from other computers need. Clients for C, Julia, GNU
-    Octave and MATLAB come with laticauda; their folder is in the line too. The messages: docs/cosim-protocol.md.
+    It prints one line with the address and the token that clients on other computers need. Clients for C, Julia, GNU
+    Octave and MATLAB come with laticauda; the line also gives their folder. Messages: see docs/cosim-protocol.md.
 
     For example: laticauda serve --port 5055 --max-clients 4
     """
@@ -178,10 +178,10 @@ class Serve(Command):
 
 
 def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
-    """The robots in files by the names of the files.
+    """Return the robots in files, by the names of the files.
 
     Raises:
-        ValueError: If a preset, or another one, has that name.
+        ValueError: If a preset or another file has the same name.
     """
     found: dict[str, lc.Robot] = {}
     for file in files:
@@ -193,7 +193,7 @@ def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
 
 
 def _compile() -> None:
-    """Let nobody's first step wait for the compiler."""
+    """Compile the kernels, so that no client's first step waits for the compiler."""
     water = lc.load_water("paper-lateral")
     warn_of_compiling(water)
     command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
@@ -206,10 +206,10 @@ def _compile() -> None:
 
 @value
 class CockpitCommand(OfScenario):
-    """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
+    """Serve a page on which the robot swims, until Ctrl-C; everything on it can be changed while the robot swims.
 
-    It prints one line with the page's address, in which there is a token where other computers reach it. Whoever opens
-    the page can use all of its controls.
+    It prints one line with the page's address, which contains a token if other computers can reach the page. Anyone who
+    opens the page can use all of its controls.
 
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """

@@ -1,7 +1,7 @@
-"""`laticauda sweep` and `laticauda optimize`: many trials of one scenario, in a folder where a stopped command goes on.
+"""`laticauda sweep` and `laticauda optimize`: many trials of one scenario, in a folder where a stopped command resumes.
 
-Sweeps run thousands to millions of them; optimizations search for the best gaits, fins or numbers of links, or for the
-front between speed and power.
+Sweeps run thousands to millions of trials; optimizations search for the best gaits, fins or numbers of links, or for
+the front between speed and power.
 """
 
 from collections.abc import Sequence
@@ -35,12 +35,12 @@ RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:6
 
 @value
 class SweepCommand(Study):
-    """Run a trial at every point of a grid, a list or of samples, and print the best.
+    """Run a trial at every point of a grid, a list or a set of samples, and print the best.
 
     For example: laticauda sweep --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50:20
     frequency-deg-s=50:150:20 normal-drag=1,1.75 --output sweep
 
-    The results are one xarray Dataset in sweep/results.zarr. After a stop or a kill, the same command goes on.
+    The results are one xarray Dataset in sweep/results.zarr. After a stop or a kill, the same command resumes.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -94,7 +94,7 @@ class SweepCommand(Study):
         return Outcome(facts=facts, text=text, succeeded=n_failed < n_trials)
 
     def _points(self, known: Known) -> Points:
-        """Which points are asked for."""
+        """Return the requested points."""
         words = [word for group in self.vary for word in group]
         if self.seed is not None and self.samples is None:
             raise BadArgument("seed", "must be given with --samples: a grid and a list have no chance in them")
@@ -118,7 +118,7 @@ class Optimize(Study):
     frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed 1 --output optimum
 
     Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a kill, the same command
-    goes on.
+    resumes.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -155,7 +155,7 @@ class Optimize(Study):
         return Outcome(facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0)
 
     def _front(self, scenario: Scenario, folder: Path) -> studies.Front:
-        """Do the work that is left."""
+        """Do the remaining work."""
         names = [one_of("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective]
         words = [word for group in self.vary for word in group] or RANGES
         sought = studies.Optimization(
@@ -171,7 +171,7 @@ class Optimize(Study):
 
 
 def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
-    """What was run, and some points of a front, in SI units."""
+    """Return what was run and some points of a front, in SI units."""
     return {
         "status": _status(front),
         "objectives": list(front.optimization.objectives),
@@ -188,7 +188,7 @@ def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict
 
 
 def _text(front: studies.Front, folder: Path) -> str:
-    """Some points of a front as a table, and where the files are."""
+    """Return some points of a front as a table, and the location of the files."""
     sought, parts = front.optimization, [_status(front)]
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
@@ -198,7 +198,7 @@ def _text(front: studies.Front, folder: Path) -> str:
 
 
 def _at_bounds(front: studies.Front) -> list[str]:
-    """What lies at an end of its range, a sentence each."""
+    """Return a sentence for each parameter that lies at an end of its range."""
     known, found = parameters(front.optimization.scenario), list[str]()
     for row in front.at_bounds():
         parameter = known[row["name"]]

@@ -1,4 +1,4 @@
-"""Aligned tables of plain text, numbers with their units, and words that give numbers to names."""
+"""Aligned tables of plain text, numbers with their units, and words that assign numbers to names."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,13 +6,13 @@ from typing import Any
 
 from laticauda.errors import BadArgument
 
-# Units of the SI that people read in others: factor and name.
+# SI units that are shown in other units: factor and name.
 READ_IN = {"rad": (math.degrees(1.0), "deg"), "rad/s": (math.degrees(1.0), "deg/s")}
 MISSING = "-"
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Rows as lines whose columns begin (or, for the columns `right`, end) one below the other."""
+    """Return rows as lines with left-aligned columns; the columns `right` are right-aligned."""
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     lines = (
         "  ".join(
@@ -25,7 +25,7 @@ def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Rows of texts and numbers under their names; numbers end one below the other, what is missing is "-"."""
+    """Return a table of texts and numbers under their names; numbers are right-aligned, missing values are "-"."""
     if not rows:
         return MISSING
     names = list(rows[0])
@@ -35,13 +35,13 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def read_in(value: float | None, unit: str) -> tuple[str, str]:
-    """A figure as a table shows it: the number, and the unit that it is read in."""
+    """Return a figure as a table shows it: the number, and the unit in which it is shown."""
     factor, shown = READ_IN.get(unit, (1.0, unit))
     return number(None if value is None else value * factor), shown
 
 
 def number(value: float | None) -> str:
-    """Four significant digits, without an exponent where that stays short; rounding noise is zero."""
+    """Format a number with four significant digits, without an exponent if that is short; rounding noise is zero."""
     if value is None or not math.isfinite(value):
         return MISSING
     if abs(value) < 1e-6:
@@ -53,21 +53,21 @@ def number(value: float | None) -> str:
 
 
 def percent(value: float | None) -> str:
-    """A difference in percent, with its sign."""
+    """Format a difference in percent, with its sign."""
     return MISSING if value is None else f"{value:+.1f} %"
 
 
 def numbers(option: str, word: str, form: str, *signs: str) -> tuple[str, str, list[float]]:
-    """What a word NAME=NUMBERS says: the name, the sign between the numbers ("" for a single one), and the numbers.
+    """Parse a word NAME=NUMBERS into the name, the sign between the numbers ("" for a single one), and the numbers.
 
     Args:
-        option: Whose word it is, for messages.
-        word: What was typed.
-        form: What it should look like, for messages.
-        signs: What may stand between numbers.
+        option: Option to which the word belongs, for messages.
+        word: Word that was typed.
+        form: Expected form of the word, for messages.
+        signs: Signs that may separate numbers.
 
     Raises:
-        ValueError: If it does not look so.
+        ValueError: If the word does not have this form.
     """
     name, _, text = word.rpartition("=")
     sign = next((one for one in signs if one in text), "")

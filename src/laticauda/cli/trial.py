@@ -16,18 +16,18 @@ TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a
 
 @value
 class Filming(command.Command):
-    """A command that has a trial, of which it may make a film."""
+    """A command that has a trial and can film it."""
 
     video: flags.Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
     film: Film = option("What the film shows, and how large", default=Film())
 
     def write_film(self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()) -> None:
-        """Write the film of a trial, if that is asked for.
+        """Write the film of a trial if requested.
 
         Args:
-            trial: Any.
-            speed: How many times as fast to show it [-].
-            beside: Of other robots in the same scene.
+            trial: Any trial.
+            speed: Playback speed relative to real time [-].
+            beside: Trials of other robots in the same scene.
         """
         if self.video is not None:
             from laticauda.pictures.render import video
@@ -38,7 +38,7 @@ class Filming(command.Command):
 
 @value
 class View(Filming):
-    """Show a stored trial in 3D: in MuJoCo's window, or as a film or a picture where there is no screen.
+    """Show a stored trial in 3D: in MuJoCo's window, or as a film or a picture if there is no screen.
 
     A planar trial is shown as it was: the 3D robot takes its postures.
 
@@ -96,7 +96,7 @@ class Show(OfTrials, Filming):
 
 @value
 class Compare(OfTrials):
-    """Print the figures of stored trials side by side, with their differences to the first.
+    """Print the figures of stored trials side by side, with their differences from the first.
 
     For example: laticauda trial compare bare.nc fin.nc
     """
@@ -115,7 +115,7 @@ class Compare(OfTrials):
 
 @value
 class Plot(OfTrials):
-    """Draw a stored trial: path, speed, joint angles and torques; of several, the paths and speeds in one figure.
+    """Draw a stored trial: path, speed, joint angles and torques; or the paths and speeds of several in one figure.
 
     For example: laticauda trial plot bare.nc fin.nc --output both.png
     """
@@ -138,7 +138,7 @@ class Plot(OfTrials):
 class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
-    A folder, whose name ends in /, is for rosbag2; recordings of operations can be put into one, too.
+    An output whose name ends in / is a folder for rosbag2, into which recordings of operations can be converted, too.
 
     For example: laticauda trial convert run.nc run.mcap
     """
@@ -161,7 +161,7 @@ class Convert(OfTrials):
 
 
 def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
-    """A table with a figure a line and, per trial, its value and its difference to the first."""
+    """Return a table with one figure per line and, for each trial, its value and its difference from the first."""
     first, *others = names
     lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
     for row in rows:
@@ -174,7 +174,7 @@ def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
 
 
 def _difference(row: ComparedFigure, i: int) -> str:
-    """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
+    """Return the difference of trial `i` in percent, or in the figure's unit where a percentage is meaningless."""
     share, difference = row.differences_percent[i], row.differences[i]
     if share is not None or difference is None:
         return tables.percent(share)
@@ -183,7 +183,7 @@ def _difference(row: ComparedFigure, i: int) -> str:
 
 
 def _either(file: str, columns: str | None) -> lc.Trial:
-    """The trial in a file of ours, or in a log that the column map is for."""
+    """Return the trial in a laticauda file, or in a log to which the column map applies."""
     try:
         return lc.load_trial(file)
     except TrialFileError:

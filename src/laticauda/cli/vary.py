@@ -1,4 +1,4 @@
-"""Commands about many trials of one scenario: names of numbers as options have them, their values, and what came out.
+"""Commands about many trials of one scenario: names of numbers as in the options, their values, and the results.
 
 `amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is three values.
 """
@@ -18,7 +18,7 @@ from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, near, parameters
 from laticauda.studies.sweep import LABELS, attributes_of
 
-# Fields of these go by their last word alone, like the options.
+# Fields of these are named by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
@@ -30,7 +30,7 @@ Known = Mapping[str, Parameter]
 
 @value
 class Study(scene.OfScenario):
-    """A command that lets a scenario swim with many values of its numbers."""
+    """A command that runs a scenario with many values of its numbers."""
 
     names: bool = option("Print the names of what can be varied, and end", default=False)
     threads: int | None = quantity("", "How many trials run at once here; one per core if left out", ge=1, default=None)
@@ -48,25 +48,25 @@ class Study(scene.OfScenario):
         """Do the work.
 
         Args:
-            scenario: What all trials share.
-            known: What of it can be varied.
+            scenario: Scenario that all trials share.
+            known: Numbers of it that can be varied.
         """
         raise NotImplementedError
 
 
 def spelled(parameter: Parameter) -> str:
-    """How a parameter is typed."""
+    """Return the name of a parameter as it is typed."""
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
     return ((".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")).replace("_", "-")
 
 
 def grid(words: Sequence[str], known: Known) -> studies.Grid:
-    """Every combination of the values.
+    """Return every combination of the values.
 
     Args:
-        words: NAME=VALUES each.
-        known: What can be varied.
+        words: Words of the form NAME=VALUES.
+        known: Numbers that can be varied.
 
     Raises:
         ValueError: If a word cannot be read.
@@ -87,12 +87,12 @@ def grid(words: Sequence[str], known: Known) -> studies.Grid:
 
 
 def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
-    """Least and greatest values by parameter.
+    """Return the lowest and highest values by parameter.
 
     Args:
-        words: NAME=LOW:HIGH each.
-        known: What can be varied.
-        form: What a word looks like, for messages.
+        words: Words of the form NAME=LOW:HIGH.
+        known: Numbers that can be varied.
+        form: Expected form of a word, for messages.
 
     Raises:
         ValueError: If a word cannot be read.
@@ -110,15 +110,15 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
 
 
 def rows(path: str, known: Known) -> studies.Rows:
-    """The points of a CSV file: names in the first line, a point in every other.
+    """Return the points of a CSV file: names in the first line, one point in each further line.
 
     Args:
-        path: The file.
-        known: What can be varied.
+        path: Path of the file.
+        known: Numbers that can be varied.
 
     Raises:
-        ValueError: If the file cannot be read as such.
-        OSError: If it cannot be read at all.
+        ValueError: If the file is not such a table.
+        OSError: If the file cannot be read at all.
     """
     names, lines = files.read_rows(path)
     if not names:
@@ -141,26 +141,26 @@ def _number(text: str, where: str) -> float:
 
 
 def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Parameter, float]:
-    """The parameter, and what its values are multiplied by; none that was named before."""
+    """Return a parameter and the factor for its values; reject a parameter that was named before."""
     plain = name.replace("_", "-")
     for parameter in known.values():
         full, suffix = parameter.name.replace("_", "-"), DEGREES.get(parameter.unit, "").replace("_", "-")
         if plain in (spelled(parameter), full + suffix, full):
             if parameter.name in before:
                 raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
-            # With dots and no unit it is in SI, as in Python.
+            # With dots and no unit, a name is in SI units, as in Python.
             return parameter, math.radians(1.0) if suffix and plain != full else 1.0
     hint = near(plain, [spelled(parameter) for parameter in known.values()])
     raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{hint} (--names lists all)")
 
 
 def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]) -> str:
-    """Some points as a table.
+    """Return some points as a table.
 
     Args:
-        scenario: What all trials share.
-        names: Of the parameters.
-        figures: Names of what the points came to.
+        scenario: Scenario that all trials share.
+        names: Names of the parameters.
+        figures: Names of the resulting figures.
         points: Mappings with both.
     """
     known = parameters(scenario)
@@ -173,6 +173,6 @@ def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str
 
 
 def shared_facts(scenario: Scenario) -> dict[str, Any]:
-    """What all trials share, for JSON."""
+    """Return what all trials share, for JSON."""
     found = attributes_of(scenario)
     return {**found, "version": found.pop("laticauda")}

@@ -1,4 +1,4 @@
-"""The cockpit: a live page where the robot swims; `Cockpit` is its server, `Live` its simulation without a page."""
+"""The cockpit: a live page on which the robot swims; `Cockpit` is its server, `Live` its simulation without a page."""
 
 from typing import TYPE_CHECKING
 

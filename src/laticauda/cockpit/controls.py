@@ -1,4 +1,4 @@
-"""The page's controls: what can be set, with its unit and its sensible limits, and what the page then asks for."""
+"""Controls of the page: the quantities that can be set, with units and sensible limits, and the resulting changes."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -23,35 +23,35 @@ from laticauda.quantities import quantities_of, texts_of
 from laticauda.robot import CaudalFin, Current, Robot, Water, current_names, load_current, load_robot, robot_names
 from laticauda.scenarios import MODELS, Scenario
 
-PITCH = "pitch_"  # what the names of the pitch wave's controls begin with
+PITCH = "pitch_"  # prefix of the names of the pitch wave's controls
 PITCH_LIMITS = {**LIMITS["gait"], "amplitude": (0.0, 45.0, 1.0), "phase": (-180.0, 180.0, 5.0)}
-DEEPEST = 10.0  # that can be asked for [m]
-CURRENT = 2.0  # most of it along an axis [m/s]
-RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
+DEEPEST = 10.0  # largest depth that can be set [m]
+CURRENT = 2.0  # maximum along an axis [m/s]
+RIGIDITY = 0.2  # initial value of an elastic fin [N m^2]
 FINS = ("none", "rigid", "elastic")
-UNIFORM, OWN, IN_FLOW = "uniform", "as it came", "flow_"  # water that moves as one, and as it did when the page began
+UNIFORM, OWN, IN_FLOW = "uniform", "as it came", "flow_"  # a uniform current, and the water as when the page started
 FLOW = "How the water moves; what this computer has not swum in yet is compiled first, some 10 s"
-ASIDE = 0.6  # of the robot, where a path begins [m]
+ASIDE = 0.6  # from the robot to the start of a path [m]
 
 
 class Control(NamedTuple):
-    """One thing that can be set."""
+    """One quantity that can be set."""
 
     handle: Any
-    """On the page."""
+    """Handle of the control on the page."""
     shown: Callable[[Scenario], Any]
-    """What it shows of a scenario."""
+    """Returns the value that it shows for a scenario."""
     changes: Callable[[Any], Changes]
-    """What becomes otherwise when it is set to a value."""
+    """Returns the changes that result from setting it to a value."""
 
 
 class Controls:
-    """The controls of one page's server, all pages showing the same.
+    """Controls of one page's server; all pages show the same.
 
     Args:
-        gui: Of the page's server.
-        live: What they set.
-        events: Where what they ask for is done.
+        gui: GUI of the page's server.
+        live: The simulation that they control.
+        events: Queue in which their events are handled.
         changed: Called after every change.
     """
 
@@ -60,7 +60,7 @@ class Controls:
         self._listen = events.handler(self.apply, then=self.settle)
         self._own, self._envelope, self._rigidity = live.scenario.robot, live.scenario.gait.envelope, RIGIDITY
         self.by_name: dict[str, Control] = {}
-        """Every control by what it sets."""
+        """Controls by what they set."""
         with gui.add_folder("Gait"):
             self._add_gait(gui, live.scenario.gait)
         with gui.add_folder("Robot and water"):
@@ -85,7 +85,7 @@ class Controls:
         self.show(live.scenario)
 
     def show(self, scenario: Scenario) -> None:
-        """Let the controls show a scenario that came from elsewhere."""
+        """Update the controls to a scenario that came from elsewhere."""
         fin = scenario.robot.caudal_fin
         self._rigidity = (fin.flexural_rigidity if fin else None) or self._rigidity
         flow = _water(scenario).flow
@@ -96,19 +96,19 @@ class Controls:
 
     @refusing
     def apply(self, event: Event) -> None:
-        """Change what somebody has set: a control that nobody touched may show less than what is so."""
+        """Change only what a user has set: an untouched control may not show the full state."""
         control = next(one for one in self.by_name.values() if one.handle is event.target)
         self._live.alter(**control.changes(event.value))
 
     def settle(self) -> None:
-        """All pages show what is so."""
+        """Show the actual state on all pages."""
         self.show(self._live.scenario)
         self.speed.value = self._live.speed
         self._changed()
 
     @refusing
     def set_speed(self, event: Event) -> None:
-        """Let time go faster or slower."""
+        """Set the speed of time."""
         self._live.speed = event.value
 
     def _add(self, name: str, handle: Any, shown: Callable[[Scenario], Any], changes: Callable[[Any], Changes]) -> None:
@@ -121,7 +121,7 @@ class Controls:
         self._add_wave(gui, "", LIMITS["gait"])
 
     def _add_wave(self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]) -> None:
-        """Sliders of the gait's own numbers, or of its pitch wave's."""
+        """Add sliders for the gait's own parameters, or for those of its pitch wave."""
         kind: type = Wave if wave else Gait
         for field, (low, high, step) in limits.items():
             unit = quantities_of(kind)[field].unit
@@ -130,12 +130,12 @@ class Controls:
             handle = gui.add_slider(label, low, high, step, max(low, 0.0), hint=hint)
 
             def shown(now: Scenario, field: str = field, low: float = low, high: float = high) -> float:
-                """Without the last digits that degrees lose."""
+                """Return the value without the last digits, which the conversion to degrees loses."""
                 one = (now.gait.pitch or STRAIGHT) if wave else now.gait
                 return min(max(round(math.degrees(getattr(one, field)), 9), low), high)
 
             def changes(value: float, field: str = field, low: float = low, high: float = high) -> Changes:
-                """What is typed beside a slider may lie beyond its ends; what no gait can have, it refuses itself."""
+                """Check the slider's range, which typed values may exceed; the gait itself rejects impossible ones."""
                 gait, new = self._live.scenario.gait, {field: math.radians(value)}
                 if wave:
                     usual = Wave(amplitude=0.0, frequency=gait.frequency, phase_shift=gait.phase_shift)
@@ -179,7 +179,7 @@ class Controls:
         self._numbers = gui.add_folder("Flow", visible=False)
 
     def _flow_name(self, now: Scenario) -> str:
-        """What the water's motion is called: what was chosen last, if it is of that kind."""
+        """Return the name of the water's motion: the one chosen last, if it is of that kind."""
         names, kind = (self._flow, *self._currents), type(_water(now).current)
         return next((name for name in names if type(self._currents.get(name)) is kind), UNIFORM)
 
@@ -188,7 +188,7 @@ class Controls:
         return {"current": self._currents[name]}
 
     def _add_numbers(self, flow: Flow | None) -> None:
-        """Fields for the numbers that a flow declares, in the place of the last one's."""
+        """Add fields for the parameters that a flow declares, in place of those of the previous flow."""
         for name in [name for name in self.by_name if name.startswith(IN_FLOW)]:
             self.by_name.pop(name).handle.remove()
         self._flow_kind, self._numbers.visible = type(flow), flow is not None
@@ -202,7 +202,7 @@ class Controls:
             step = 1 if isinstance(value, int) else 0.5 if per > 1.0 else 0.001
 
             def shown(now: Scenario, field: str = field, per: float = per) -> Any:
-                """Without the last digits that degrees lose."""
+                """Return the value without the last digits, which the conversion to degrees loses."""
                 value = getattr(_water(now).flow, field)
                 return round(per * value, 9) if per > 1.0 else value
 
@@ -222,7 +222,7 @@ class Controls:
         return replace(self._live.scenario.gait, envelope=envelope)
 
     def _base(self, name: str) -> Robot:
-        """A robot with the fin that it comes with; the page's own, if it is no preset."""
+        """Return a robot with its original fin; the page's own robot if the name is not a preset."""
         return load_robot(name) if name != self._own.name and name in robot_names() else self._own
 
     def _with(self, fin: str, rigidity: float) -> Robot:
@@ -230,21 +230,21 @@ class Controls:
         return with_fin(base, fin != "none", rigidity if fin == "elastic" else None)
 
     def _bent(self, rigidity: float) -> Robot:
-        """With a fin that bends so; without a fin, the next one will."""
+        """Return the robot with an elastic fin of this rigidity; without a fin, keep the rigidity for the next one."""
         if self._live.scenario.robot.caudal_fin is None:
             self._rigidity = positive("flexural_rigidity", rigidity, "N m^2")
             return self._live.scenario.robot
         return self._with("elastic", rigidity)
 
     def _at_depth(self, depth: float) -> Changes:
-        """Held along the path, or straight ahead without one."""
+        """Return the changes that hold a depth along the path, or straight ahead if there is none."""
         found: Changes = {"depth": depth or None}
         if depth and path_of(self._live.scenario) is None:
             found["path"] = self._new_path(True, aside=0.0)
         return found
 
     def _new_path(self, is_followed: bool, aside: float = ASIDE) -> StraightLine | None:
-        """Along the heading that the robot has, some way to its right: so that it can be seen to come to it."""
+        """Return a path along the robot's heading, some distance to its right, so that the approach is visible."""
         if not is_followed:
             return None
         sample = self._live.latest()
@@ -254,7 +254,7 @@ class Controls:
 
 
 def models() -> tuple[str, ...]:
-    """The models that this installation has."""
+    """Return the models available in this installation."""
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
 
 
@@ -270,11 +270,11 @@ def _fin_of(robot: Robot) -> str:
 
 
 def _words(name: str) -> str:
-    """What the page calls something."""
+    """Return the name that the page shows."""
     return name.replace("_", " ")
 
 
 def _hint(kind: type, field: str, unit: str = "") -> str:
-    """What the field's declaration says, in the unit of the page."""
+    """Return the text of a field's declaration, with the unit used on the page."""
     title = texts_of(kind)[field]
     return f"{title} [{unit}]" if unit else title

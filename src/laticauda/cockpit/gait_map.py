@@ -1,6 +1,6 @@
-"""The map of the gaits: trials over amplitude and frequency as a chart in the panel, with the present gait on it."""
+"""Gait map: trials over amplitude and frequency as a chart in the panel, with the current gait marked."""
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportAttributeAccessIssue=false
 # pyright: reportUnknownArgumentType=false
 
@@ -22,19 +22,19 @@ from laticauda.studies.sweep import COSTS, LABELS
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
 FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
 OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")}
-"""What there are maps of, frequencies by amplitudes, by what the page calls it."""
+"""Mapped quantities, frequencies by amplitudes, by their names on the page."""
 DURATION = 20.0  # of every trial [s]
 WAITING = f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials; the first map also compiles, some 20 s ..."
 OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: how it swims now."
 
 
 class GaitMap:
-    """The chart and the controls that belong to it.
+    """The chart and its controls.
 
     Args:
-        gui: Of the page's server; they go where it is.
-        live: Whose gait is shown.
-        events: Where the best gait is set.
+        gui: GUI of the page's server; the controls are added at its current position.
+        live: The simulation whose gait is shown.
+        events: Queue in which the best gait is set.
         changed: Called after that.
     """
 
@@ -46,12 +46,12 @@ class GaitMap:
         self._best = gui.add_button("swim the best of the map", visible=False)
         self._best.on_click(events.handler(self._swim_best, then=changed))
         self._text = gui.add_markdown("")
-        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = None  # and of what; empty where that failed
+        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = None  # of which base; empty if it failed
         self._worker: threading.Thread | None = None
         self._drawn: object = None
 
     def show(self) -> None:
-        """Bring it up to date: called now and then, returns at once."""
+        """Update the chart; called from time to time, returns at once."""
         values = self._values() if self._on.value else None
         self._image.visible = self._best.visible = values is not None
         self._text.visible = self._on.value
@@ -61,7 +61,7 @@ class GaitMap:
             self._drawn, self._image.image = wanted, gait_map_picture(values, quantity, gait)
 
     def _values(self) -> np.ndarray | None:
-        """What is to be drawn; None as long as there is none."""
+        """Return the values to draw; None until they are available."""
         base = base_of(self._live.scenario)
         is_busy = self._worker is not None and self._worker.is_alive()
         if not is_busy and (self._computed is None or self._computed[0] != base):
@@ -85,24 +85,24 @@ class GaitMap:
         self._live.alter(gait=with_wave(self._live.scenario.gait, AMPLITUDES[j], FREQUENCIES[i]))
 
 
-# ---- what it shows ---------------------------------------------------------------------------------------------------
+# ---- content of the map ----------------------------------------------------------------------------------------------
 
 
 def base_of(scenario: lc.Scenario) -> lc.Scenario:
-    """What the map depends on: scenarios with equal ones share it. It is in the plane, without steering.
+    """Return what the map depends on, in the plane and without steering; scenarios with the same base share a map.
 
     Args:
-        scenario: What swims how.
+        scenario: The scenario.
     """
     gait = replace(scenario.gait, amplitude=0.0, frequency=0.0)
     return replace(scenario, motion=gait, model=lc.Planar(joints=scenario.model.joints))
 
 
 def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
-    """Trials of `DURATION` from rest side by side: each quantity of `OF_GAITS`, over frequency and amplitude.
+    """Compute trials of `DURATION` from rest in one batch: each quantity of `OF_GAITS`, over frequency and amplitude.
 
     Args:
-        scenario: What swims how.
+        scenario: The scenario.
 
     Raises:
         ValueError: If the batch cannot compute such trials.
@@ -115,17 +115,17 @@ def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
 
 
 def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc.Gait:
-    """The gait with another amplitude [deg] and frequency [deg/s]."""
+    """Return the gait with another amplitude [deg] and frequency [deg/s]."""
     return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
 
 
 def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
-    """A quantity as colors over amplitude and frequency, a gait as a dot; gray where a trial failed.
+    """Draw a quantity as colors over amplitude and frequency, and a gait as a dot; gray where a trial failed.
 
     Args:
-        values: Of every trial.
+        values: Value of every trial.
         quantity: One of `OF_GAITS`.
-        gait: The one to mark.
+        gait: The gait to mark.
     """
     figure = style.new_figure(3.4, 2.9)
     figure.set_dpi(220)

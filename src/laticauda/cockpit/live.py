@@ -1,4 +1,4 @@
-"""A simulation that lives by the clock on the wall, with what is plotted and saved of it; no page is needed."""
+"""A simulation driven by the wall clock, with its data for plotting and saving; no page is needed."""
 
 import math
 import threading
@@ -14,17 +14,17 @@ from laticauda.errors import within
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import Trial
 
-PLOTTED = 60.0  # what the plots show [s]
-RECORDED = 600.0  # how much of the run is kept to be saved [s]
-MOST_TICKS = 200  # in one call: a clock that stood still is not caught up with [-]
+PLOTTED = 60.0  # duration shown in the plots [s]
+RECORDED = 600.0  # duration of the run that is kept for saving [s]
+MOST_TICKS = 200  # in one call; time lost by a stopped clock is not made up [-]
 SPEEDS = (0.1, 8.0)  # of time [-]
 
 
 class RingBuffer:
-    """Keeps the last rows of named columns, each a number or an array of a fixed shape, and never grows.
+    """Fixed-size buffer of the last rows of named columns, each a number or an array of a fixed shape.
 
     Args:
-        capacity: How many rows are kept [-].
+        capacity: Number of rows that are kept [-].
     """
 
     def __init__(self, capacity: int) -> None:
@@ -33,18 +33,18 @@ class RingBuffer:
         self._end = 0
 
     def clear(self) -> None:
-        """Forget all rows, and their shapes."""
+        """Remove all rows, and forget their shapes."""
         self._columns, self._end = {}, 0
 
     def append(self, row: Mapping[str, float | np.ndarray]) -> None:
-        """Add a row; the oldest one goes if there is no room.
+        """Append a row; the oldest one is dropped if there is no room.
 
         Args:
-            row: A value for every column; the first row says which there are.
+            row: A value for every column; the first row defines the columns.
         """
         if not self._columns:
             self._columns = {name: np.empty((2 * self.capacity, *np.shape(value))) for name, value in row.items()}
-        if self._end == 2 * self.capacity:  # the newer half moves to the front: rows stay in one piece
+        if self._end == 2 * self.capacity:  # the newer half moves to the front: rows stay contiguous
             for column in self._columns.values():
                 column[: self.capacity] = column[self.capacity :]
             self._end = self.capacity
@@ -53,49 +53,49 @@ class RingBuffer:
         self._end += 1
 
     def last(self, step: int = 1) -> dict[str, np.ndarray]:
-        """Copies of the rows by column, oldest first.
+        """Return copies of the rows by column, oldest first.
 
         Args:
-            step: Every how many-th of them, the newest included.
+            step: Return every `step`-th row, including the newest.
         """
         first = max(self._end - self.capacity, 0)
         return {name: column[first : self._end][::-step][::-1].copy() for name, column in self._columns.items()}
 
 
 class Live:
-    """One simulation on a clock; may be used from any thread.
+    """One simulation in real time; may be used from any thread.
 
     Args:
-        scenario: What swims how at first, and where it begins; its duration does not count.
+        scenario: Initial scenario, including its start; its duration is ignored.
 
     Raises:
-        ValueError: If the scenario does not go together, or a page cannot show it.
+        ValueError: If the scenario is inconsistent, or a page cannot show it.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self._lock = threading.RLock()
         self.simulation: Simulation = begin(scenario)
-        """The simulation as it is."""
+        """Current simulation."""
         self._speed = 1.0
         self._debt = 0.0
         self.paused = False
-        """Whether time stands still."""
+        """Whether the simulation is paused."""
         self.link_forces = False
-        """Whether the force on every link is computed too."""
+        """Whether the force on every link is also computed."""
         self.lag = 0.0
-        """Time that was given up because the computer could not follow, in all [s]."""
+        """Total time that was skipped because the computer could not keep up [s]."""
         self._plots = RingBuffer(round(PLOTTED / TICK))
         self._record = RingBuffer(round(RECORDED / TICK))
         self._latest = self._sample()
 
     @property
     def scenario(self) -> Scenario:
-        """What swims how."""
+        """Current scenario."""
         return self.simulation.scenario
 
     @property
     def speed(self) -> float:
-        """Simulated seconds for one second on the wall [-]."""
+        """Simulated seconds per second of the wall clock [-]."""
         return self._speed
 
     @speed.setter
@@ -103,33 +103,33 @@ class Live:
         self._speed = within("speed", value, *SPEEDS)
 
     def latest(self) -> series.Log:
-        """The newest sample, without a time axis."""
+        """Return the newest sample, without a time axis."""
         return self._latest
 
     def plots(self, step: int = 1) -> dict[str, np.ndarray]:
-        """What is plotted: time, speed, power, cross_track_error, heading, depth, pitch, roll and three joint angles.
+        """Return time, speed, power, cross_track_error, heading, depth, pitch, roll and three joint angles for plots.
 
         Args:
-            step: Every how many-th sample.
+            step: Return every `step`-th sample.
         """
         with self._lock:
             return self._plots.last(step)
 
     def record(self) -> tuple[series.Log, Simulation]:
-        """The samples since the scenario was last changed, at most the last ten minutes, and the simulation now."""
+        """Return the samples since the last change of the scenario, at most ten minutes, and the current simulation."""
         with self._lock:
             before, now = self._record.last(), _series(self._latest)
             log = {name: np.concatenate((before.get(name, one[None][:0]), one[None])) for name, one in now.items()}
             return series.log_of(log), self.simulation
 
     def advance(self, wall: float) -> int:
-        """Let time pass.
+        """Advance the simulation.
 
         Args:
-            wall: As much as passed on the wall [s].
+            wall: Elapsed time of the wall clock [s].
 
         Returns:
-            How many ticks the simulation made.
+            Number of ticks simulated.
         """
         with self._lock:
             if self.paused or self.simulation.failure is not None:
@@ -148,13 +148,13 @@ class Live:
             return n
 
     def change(self, scenario: Scenario) -> None:
-        """Swim otherwise from now on; see `laticauda.cockpit.simulation.Simulation.altered`.
+        """Switch to another scenario from now on; see `laticauda.cockpit.simulation.Simulation.altered`.
 
         Args:
-            scenario: As it is to be.
+            scenario: The new scenario.
 
         Raises:
-            ValueError: If it does not go together; everything goes on as it was then.
+            ValueError: If the scenario is inconsistent; everything then continues unchanged.
         """
         with self._lock:
             if scenario == self.scenario:
@@ -164,17 +164,17 @@ class Live:
             self._latest = self._sample()
 
     def alter(self, **changes: Unpack[Changes]) -> None:
-        """`change` to the scenario with what `laticauda.cockpit.simulation.changed` takes as `changes`.
+        """Call `change` with the scenario that `laticauda.cockpit.simulation.changed` returns for `changes`.
 
         Args:
-            changes: What is to be different: `robot`, `gait`, `joints`, `environment`, `current` [m/s], `path` and the
-                other fields of `laticauda.cockpit.simulation.Changes`.
+            changes: Fields to change: `robot`, `gait`, `joints`, `environment`, `current` [m/s], `path` and the other
+                fields of `laticauda.cockpit.simulation.Changes`.
         """
         with self._lock:
             self.change(changed(self.scenario, **changes))
 
     def reset(self) -> None:
-        """Begin anew with the present scenario, where it first began."""
+        """Restart with the current scenario, at its original start."""
         with self._lock:
             self.simulation = begin(self.scenario)
             self._plots.clear()
@@ -183,13 +183,13 @@ class Live:
             self._latest = self._sample()
 
     def trial(self) -> Trial:
-        """The run since the scenario was last changed, at most the last ten minutes of it.
+        """Return the run since the scenario was last changed, at most the last ten minutes of it.
 
-        If that is all since the simulation began, the trial holds a scenario, which can be run again; time goes on to
-        the next control instant for it. Else it holds an experiment.
+        If that covers the whole simulation, the trial contains a scenario, which can be run again; for this, time
+        advances to the next control instant. Otherwise it contains an experiment.
 
         Raises:
-            ValueError: If nothing has happened since then.
+            ValueError: If no time has passed since then.
         """
         with self._lock:
             controller = self.scenario.controller
@@ -218,7 +218,7 @@ class Live:
         self.simulation, log = self.simulation.advance(link_forces=forces)
         if self.simulation.failure is not None:
             return
-        # A sample is the end of a tick; what the controller said there belongs to the next one.
+        # A sample is the end of a tick; the controller's signals at that instant belong to the next tick.
         self._record.append(_series(replace(before, signals={**before.signals, **log.at(0).signals})))
         self._latest = log.at(-1)
         self._plots.append(self._plotted(before))
@@ -242,12 +242,12 @@ class Live:
         return row
 
     def _sample(self) -> series.Log:
-        """A first sample of a simulation that has just been made or changed, without letting time pass."""
+        """Return the first sample of a simulation that was just created or changed, without advancing time."""
         return self.simulation.advance()[1].at(0)
 
 
 def tilt(sample: series.Log) -> dict[str, float]:
-    """Depth [m], pitch and roll [deg] of a sample in space: down, and left side up; nan in the plane."""
+    """Return depth [m], pitch and roll [deg] of a spatial sample: positive down, and left side up; nan in the plane."""
     if sample.center_of_mass.size == 2:
         return dict.fromkeys(("depth", "pitch", "roll"), math.nan)
     left, up = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))[2, 1:]
@@ -256,5 +256,5 @@ def tilt(sample: series.Log) -> dict[str, float]:
 
 
 def _series(sample: series.Log) -> dict[str, np.ndarray]:
-    """What is kept of a sample."""
+    """Return the series that are recorded of a sample."""
     return replace(sample, link_force=None).series()

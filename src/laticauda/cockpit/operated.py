@@ -1,4 +1,4 @@
-"""The robot that somebody else operates, shown as the operation's recording says while it grows; nothing is sent."""
+"""A robot that somebody else operates, shown from the operation's recording as it is written; nothing is sent."""
 
 import math
 import time
@@ -19,38 +19,38 @@ if TYPE_CHECKING:
     from laticauda.estimation import Estimate
 
 TRAIL: shapes.Color = (250, 120, 80)
-SPAN = 5.0  # over which its speed is taken, and that is read of what was before [s]
-SILENT = 2.0  # a recording into which nothing is written for so long has stopped [s]
+SPAN = 5.0  # over which the speed is computed, and how much of the past is read [s]
+SILENT = 2.0  # a recording to which nothing is written for this long has stopped [s]
 TOPICS = ("/estimate", "/sample/joints", "/events")
-LINES = 3  # of the events that are shown
+LINES = 3  # number of events that are shown
 
 
 class Feed:
-    """What the recording of an operation says while it is written.
+    """Content of an operation's recording while it is being written.
 
     Args:
-        place: The recording, or a folder, of which it is the newest, also if that is begun later.
+        place: The recording, or a folder whose newest recording is read, even if it is started later.
     """
 
     def __init__(self, place: Path) -> None:
         self.place = place
         self.header: Header | None = None
-        """Of the present recording; None before there is one."""
+        """Header of the current recording; None before there is one."""
         self.estimate: Estimate | None = None
-        """Where the robot is; None before that is known."""
+        """Estimate of where the robot is; None until it is known."""
         self.speed = math.nan
-        """Over the last `SPAN` [m/s]."""
+        """Speed over the last `SPAN` [m/s]."""
         self.fin_angle = 0.0
-        """Of a driven fin [rad]."""
+        """Angle of a driven fin [rad]."""
         self.events = deque[str](maxlen=LINES)
-        """What happened last, in sentences."""
+        """Latest events, in sentences."""
         self._recording: logs.Recording | None = None
         self._estimates = deque["Estimate"]()
 
     def look(self) -> str:
-        """Read on; what is wrong, in a sentence, or "".
+        """Read new entries; return what is wrong, in a sentence, or "".
 
-        The picture is `log.CHUNK` behind, so that it moves as steadily as the robot does.
+        The picture lags by `log.CHUNK`, so that it moves as steadily as the robot does.
         """
         try:
             written = self._follow()
@@ -71,7 +71,7 @@ class Feed:
         return f"Nothing was written for {age:.0f} s: it is drawn where it was last." if age > SILENT else ""
 
     def _follow(self) -> float | None:
-        """Read on, in the newest recording; when something was last written into that, None without one [s]."""
+        """Read new entries of the newest recording; return when it was last written to, None without one [s]."""
         found = [*self.place.glob("*.mcap")] if self.place.is_dir() else [self.place]
         if not found:
             return None
@@ -95,12 +95,12 @@ class Feed:
 
 
 class OperatedRobot:
-    """Its picture, and the words beside it.
+    """Picture of an operated robot, and the text next to it.
 
     Args:
-        gui: Of the page's server; the controls go where it is.
-        pictures: Of the same server.
-        scene: Where the simulated robot is.
+        gui: GUI of the page's server; the controls are added at its current position.
+        pictures: Scene of the same server.
+        scene: The scene with the simulated robot.
     """
 
     def __init__(self, gui: Any, pictures: Any, scene: Scene) -> None:
@@ -121,10 +121,10 @@ class OperatedRobot:
         self._feed = Feed(place)
 
     def show(self, *, with_text: bool) -> np.ndarray | None:
-        """Bring it up to date; where the robot is, or None if nothing is known of it [m].
+        """Update the picture; return the position of the robot, or None if it is unknown [m].
 
         Args:
-            with_text: Whether its numbers are written anew, and its trail grows.
+            with_text: Whether to also update the numbers and extend the trail.
         """
         if self._feed is None:
             return None
@@ -148,7 +148,7 @@ class OperatedRobot:
 
     @staticmethod
     def _numbers(feed: Feed, estimate: "Estimate", trouble: str) -> str:
-        """Where it is and how fast, what happened last and what is wrong, as Markdown."""
+        """Return position, speed, latest events and what is wrong, as Markdown."""
         place, speed = estimate.center_of_mass, feed.speed
         rows = [
             ("place", f"{place[0]:z.2f}, {place[1]:z.2f} m"),
@@ -163,7 +163,7 @@ class OperatedRobot:
 
 
 def _sample(estimate: "Estimate", fin_angle: float) -> series.Log:
-    """An estimate as a sample to draw, which says nothing of the motors; with the angle of a driven fin [rad]."""
+    """Convert an estimate to a sample to draw, without motor data, but with the angle of a driven fin [rad]."""
     names = [name for name in interfaces.Observation.__dataclass_fields__ if name in series.Log.__dataclass_fields__]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     known |= {name: known[name][:2] for name in ("center_of_mass", "center_of_mass_velocity")}

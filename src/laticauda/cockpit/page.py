@@ -1,4 +1,4 @@
-"""The cockpit: one simulation on a clock, shown on any number of pages."""
+"""The cockpit: one simulation in real time, shown on any number of pages."""
 
 import math
 import threading
@@ -13,28 +13,28 @@ from laticauda.cockpit.operated import OperatedRobot
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.control import StraightLine
 
-FRAME = 0.05  # time between two pictures [s]
-SLOW = 5  # pictures between two updates of numbers and plots
+FRAME = 0.05  # time between two frames [s]
+SLOW = 5  # frames between two updates of numbers and plots
 STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text()}</style>"
 
 
 class Cockpit:
-    """A page's server with its simulation.
+    """Server of a page, with its simulation.
 
     Args:
         live: The simulation.
-        host: Address that it listens on; for any but this computer alone, the page's address holds a token.
-        port: Its port; 0: any free one.
+        host: Address to listen on; for any address but that of this computer alone, the page's URL contains a token.
+        port: Port to listen on; 0: any free port.
 
     Raises:
         MissingExtra: If viser is not installed.
-        PortTaken: If it cannot listen there.
+        PortTaken: If the server cannot listen there.
     """
 
     def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         self.live = live
         self.door = Door.of(host)
-        """Whom it answers."""
+        """Access control for pages."""
         self._server = pages.serve(self.door, port)
         self._events = EventQueue()
         self._stop = threading.Event()
@@ -62,23 +62,23 @@ class Cockpit:
             self._runs = runs.Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
             self.operated = OperatedRobot(gui, self._server.scene, self._scene)
-            """The robot that somebody else operates, if one is watched."""
+            """Robot that somebody else operates, if one is being watched."""
         flat = {"scale": 0.35, "active_axes": (True, True, False), "visible": False}
         self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
         self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
         self._forces.on_update(self._events.handler(lambda event: setattr(live, "link_forces", event.value)))
         self._changed()
-        self._cameras = pages.PageCameras(self._server)  # what a page has for itself stands below the rest
+        self._cameras = pages.PageCameras(self._server)  # the controls of each page itself appear below the rest
 
     @property
     def address(self) -> str:
-        """Where a browser finds it, with the token if there is one."""
+        """URL of the page, with the token if there is one."""
         return self.door.url(self._server.get_port())
 
     @property
     def pages(self) -> int:
-        """How many pages are open."""
+        """Number of open pages."""
         return len(self._cameras.all())
 
     def load(self, path: Path) -> None:
@@ -88,19 +88,19 @@ class Cockpit:
             path: The file.
 
         Raises:
-            TrialFileError: If it is neither; the message has the reason.
+            TrialFileError: If the file is neither; the message gives the reason.
             MissingExtra: If the format needs a package that is not installed.
-            ValueError: If the trial does not say how the robot was bent.
+            ValueError: If the trial does not contain the robot's posture.
         """
         self._runs.play(runs.stored_trial(path, str(path)))
 
     def open(self) -> None:
-        """Let time pass, in a thread of its own."""
+        """Run the simulation in a separate thread."""
         self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
         self._thread.start()
 
     def wait(self) -> None:
-        """Until somebody closes it."""
+        """Wait until the cockpit is closed."""
         while not self._stop.wait(0.2):
             pass
 
@@ -121,7 +121,7 @@ class Cockpit:
             self.frame()
 
     def frame(self) -> None:
-        """Bring all pages up to date."""
+        """Update all pages."""
         live, self._frames = self.live, self._frames + 1
         sample, plant = live.latest(), live.simulation.plant
         with self._server.atomic():
@@ -141,12 +141,12 @@ class Cockpit:
 
     @property
     def _height(self) -> float:
-        """At which a path is drawn: its own, or the robot's [m]."""
+        """Height at which a path is drawn: its own, or the robot's [m]."""
         place, depth = self.live.latest().center_of_mass, simulation.depth_of(self.live.scenario)
         return -depth if depth is not None else float(place[2]) if place.size == 3 else 0.0
 
     def _changed(self) -> None:
-        """After every change of the scenario."""
+        """Update the page after a change of the scenario."""
         path, live = simulation.path_of(self.live.scenario), self.live
         self._scene.path(simulation.route_of(live.scenario, self._height))
         self._scene.surroundings(live.simulation.plant, live.simulation.state)
@@ -158,13 +158,13 @@ class Cockpit:
         self._runs.changed()
 
     def _show_scenario(self) -> None:
-        """After a change that did not come from the controls."""
+        """Update the page after a change that did not come from the controls."""
         self._controls.show(self.live.scenario)
         self._changed()
 
     @refusing
     def _drag(self, event: Event) -> None:
-        """The path goes where its gizmo is dragged to."""
+        """Move the path to where its gizmo is dragged."""
         if simulation.path_of(self.live.scenario) is None:
             return
         (x, y, _), (w, _, _, z), phase = event.value

@@ -1,7 +1,7 @@
-"""The pages: their server, which is viser's, what every page has for itself, its camera, and what people do on them.
+"""Pages of the cockpit: their server, which is viser's, the camera of each page, and the events from pages.
 
-What cameras do happens in the server's own loop, where the pages' reports arrive. In another thread, a report that
-comes in between two lines would mix where the camera was with where it is, and one that follows would keep that error.
+Cameras are updated in the server's own event loop, where the pages' reports arrive. In another thread, a report that
+arrives between two lines would mix a camera's old and new positions, and the next report would preserve that error.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -30,23 +30,23 @@ from laticauda.access import Door
 from laticauda.cockpit.scene import HOME, PHONE
 from laticauda.errors import LaticaudaError, optional_import
 
-NARROW = 0.7  # width to height of a phone that is held upright, or less [-]
-PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
+NARROW = 0.7  # largest ratio of width to height of a phone held upright [-]
+PATIENCE = 5.0  # how long a camera is moved to the robot unless its page confirms the move earlier [s]
 POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
-"""The page talks to its own server alone (viser's would follow an address in the link), and stands in no other one."""
-MOST_UPLOADED = 128 << 20  # of files that pages are sending, and of one [bytes]
-MOST_UPLOADS = 8  # that pages are sending at a time
-PART_COST = 1000  # of a part of a file, beside its content [bytes]
-MOST_SAID = 4 << 20  # of one message of a page [bytes]
+"""A page connects only to its own server (viser's would follow an address in the link), and cannot be embedded."""
+MOST_UPLOADED = 128 << 20  # total size of files being uploaded, and size of one [bytes]
+MOST_UPLOADS = 8  # files being uploaded at a time
+PART_COST = 1000  # overhead of a part of a file, in addition to its content [bytes]
+MOST_SAID = 4 << 20  # size of one message from a page [bytes]
 Owner = TypeVar("Owner")
 
 
 class PortTaken(LaticaudaError, OSError):
-    """The page cannot be served where it was asked for."""
+    """Raised if the page cannot be served at the requested address."""
 
 
 def load_viser() -> Any:
-    """The module `viser`. Handles of its pages are `Any` here: their types change with the control.
+    """Return the module `viser`; handles of its pages are `Any` here, because their types depend on the control.
 
     Raises:
         MissingExtra: If it is not installed.
@@ -55,11 +55,11 @@ def load_viser() -> Any:
 
 
 def serve(door: Door, port: int) -> Any:
-    """A page's server, on this host and port alone: viser by itself would take the next free port, on all networks.
+    """Start a page's server on this host and port only; by itself, viser takes the next free port, on all networks.
 
     Args:
-        door: Whom it answers, and where.
-        port: Its port; 0: any free one.
+        door: Access control and host of the server.
+        port: Port to listen on; 0: any free port.
 
     Raises:
         MissingExtra: If viser is not installed.
@@ -74,14 +74,14 @@ def serve(door: Door, port: int) -> Any:
         raise PortTaken(f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one.") from error
     with contextlib.redirect_stdout(io.StringIO()), _guarding(door):
         server = viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
-    # viser would ask a service for an address on the internet, if a page wanted that.
+    # If a page requested it, viser would ask a service for a public address on the internet.
     server._websock_server.unregister_handler(import_module("viser._messages").ShareUrlRequest)
     _limit_uploads(server)
     return server
 
 
 def _limit_uploads(server: Any) -> None:
-    """Throw away what pages send beyond a bound: viser keeps all of it until it is whole, and says that it has come."""
+    """Discard uploads beyond a limit: viser keeps all data until a file is complete, and acknowledges it."""
     messages, sent = import_module("viser._messages"), server.gui._current_file_upload_states
 
     def begun(page: int, message: Any) -> None:
@@ -103,24 +103,24 @@ def _limit_uploads(server: Any) -> None:
 
 
 def stop(server: Any) -> None:
-    """Stop a server; it would say so on the standard output."""
+    """Stop a server without its message on standard output."""
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()
 
 
 def time_scale() -> dict[str, Any]:
-    """Of a plot whose x axis is seconds: uPlot would take it for dates."""
+    """Return the scale of a plot whose x axis is in seconds, which uPlot would interpret as dates."""
     return {"x": import_module("viser.uplot").Scale(time=False)}
 
 
-# ---- who is answered -------------------------------------------------------------------------------------------------
+# ---- access control --------------------------------------------------------------------------------------------------
 
 _WIRE = logging.getLogger(f"{__name__}.wire")
 _IS_TENTH_PAGE = itertools.cycle((False,) * 9 + (True,))
 
 
 def _in_one_line(record: logging.LogRecord) -> bool:
-    """Of what junk leads to, the sentence: it is no fault of ours, and no news if somebody just left."""
+    """Reduce errors caused by invalid input to one line, and drop those of clients that have just left."""
     error = record.exc_info[1] if record.exc_info else None
     if error is not None:
         record.msg, record.args, record.exc_info = f"A page was hung up on: {error!r:.200}", (), None
@@ -132,7 +132,7 @@ _WIRE.addFilter(_in_one_line)
 
 @contextlib.contextmanager
 def _guarding(door: Door) -> Generator[None]:
-    """Within it, servers of `websockets` answer whom they may answer: viser, which makes one, passes no rule on."""
+    """Apply access control to `websockets` servers created within; viser, which creates one, does not pass any on."""
     module: Any = import_module("websockets.asyncio.server")
     made, usual = list[str](), module.serve
 
@@ -155,7 +155,7 @@ def _guarding(door: Door) -> Generator[None]:
 
 
 def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
-    """What a request is answered with; None: the websocket that it asks for."""
+    """Return the response to a request; None accepts the requested websocket."""
     why = door.refusal(request.path, request.headers.get_all)
     if why:
         _WIRE.warning("A request was refused: %s", why)
@@ -167,7 +167,7 @@ def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
         response.headers["Content-Security-Policy"] = POLICY
         response.headers["Referrer-Policy"] = "no-referrer"
     elif next(_IS_TENTH_PAGE):
-        # What a page leaves behind, 70 kB, holds itself: Python finds it in its own time, which may be hours.
+        # A closed page leaves 70 kB in reference cycles, which Python may take hours to collect.
         gc.collect()
     return response
 
@@ -176,7 +176,7 @@ def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
 
 
 class PageCamera:
-    """The camera of one page, with the page's controls of it.
+    """Camera of one page, with the page's controls for it.
 
     Args:
         client: The page.
@@ -184,7 +184,7 @@ class PageCamera:
 
     def __init__(self, client: Any) -> None:
         self._client, self.camera = client, client.camera
-        """As the page has reported it last, or as it has been moved since."""
+        """Camera as last reported by the page, or as moved since."""
         self._until = time.monotonic() + PATIENCE
         with client.gui.add_folder("This page"):
             self.follows = client.gui.add_checkbox("camera follows", True)
@@ -193,44 +193,44 @@ class PageCamera:
 
     @property
     def is_home(self) -> bool:
-        """Whether the page has said that its camera is where it was brought to, or has had the time to."""
+        """Whether the page has confirmed that its camera is at the home position, or has had the time to."""
         return time.monotonic() >= self._until
 
     def show(self, at: np.ndarray) -> None:
-        """Go along with a robot.
+        """Follow a robot.
 
         Args:
-            at: Where the robot is [m].
+            at: Position of the robot [m].
         """
         if self.is_home and not self.follows.value:
             return
         position, look_at = self._home
-        # What a slow page reports is old, but its direction and distance are right.
+        # Reports of a slow page are outdated, but their direction and distance are correct.
         offset = self.camera.position - self.camera.look_at if self.is_home else position - look_at
         target = look_at + np.array([*at, 0.0][:3], dtype=float)
         with warnings.catch_warnings(), self._client.atomic():
-            warnings.simplefilter("ignore", UserWarning)  # that a page has just vanished
+            warnings.simplefilter("ignore", UserWarning)  # a page has just been closed
             self.camera.position, self.camera.look_at = target + offset, target
 
     @property
     def _home(self) -> np.ndarray:
-        """Where it begins and what it looks at then, from the robot [m]."""
+        """Initial position and target of the camera, relative to the robot [m]."""
         return np.array(PHONE if self.camera.aspect < NARROW else HOME)
 
     async def _go_home(self, event: Any) -> None:
         self._until = time.monotonic() + PATIENCE
 
     async def _reported(self, camera: Any) -> None:
-        # A page that has just been opened reports where its camera was before it was brought here.
+        # A page that has just been opened reports where its camera was before it was moved here.
         if np.allclose(camera.position - camera.look_at, np.subtract(*self._home), atol=0.02):
             self._until = 0.0
 
 
 class PageCameras:
-    """The cameras of all pages that are open.
+    """Cameras of all open pages.
 
     Args:
-        server: Of the pages.
+        server: Server of the pages.
     """
 
     def __init__(self, server: Any) -> None:
@@ -240,14 +240,14 @@ class PageCameras:
         server.on_client_disconnect(self._forget)
 
     def all(self) -> list[PageCamera]:
-        """Of the pages, in the order in which they were opened."""
+        """Return the cameras in the order in which their pages were opened."""
         return list(self._cameras.values())
 
     def show(self, at: np.ndarray) -> None:
-        """Let the cameras that follow look at the robot, from where their page has put them around it; returns at once.
+        """Point the cameras that follow at the robot, keeping the offsets set on their pages; return at once.
 
         Args:
-            at: Where the robot is [m].
+            at: Position of the robot [m].
         """
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._show, at)
@@ -256,7 +256,7 @@ class PageCameras:
         for camera in self._cameras.values():
             camera.show(at)
 
-    # The loop waits for these two, so no page can be forgotten before it was welcomed.
+    # The loop awaits both of these, so no page can be removed before it has been added.
 
     async def _welcome(self, client: Any) -> None:
         self._loop = asyncio.get_running_loop()
@@ -266,25 +266,25 @@ class PageCameras:
         self._cameras.pop(client.client_id, None)
 
 
-# ---- events: answered one after the other, in the order in which they came -------------------------------------------
+# ---- events: handled one at a time, in the order in which they arrive ------------------------------------------------
 
 
 class Event(NamedTuple):
-    """What somebody did on a page."""
+    """Action of a user on a page."""
 
     client: Any
     """The page."""
     target: Any
     """The control."""
     value: Any
-    """What it was set to then; by now somebody may have set it to something else."""
+    """Value to which the control was set; it may have been changed since."""
 
 
 Action = Callable[[Event], None]
 
 
 def refusing(action: Callable[[Owner, Any], None]) -> Callable[[Owner, Any], None]:
-    """A method that answers an event: what it refuses is said on the page where the event comes from."""
+    """Wrap a method that handles an event, so that its errors are shown on the page from which the event came."""
 
     @functools.wraps(action)
     def answered(owner: Owner, event: Any) -> None:
@@ -297,10 +297,10 @@ def refusing(action: Callable[[Owner, Any], None]) -> Callable[[Owner, Any], Non
 
 
 class EventQueue:
-    """A thread that answers what comes from pages.
+    """A thread that handles events from pages.
 
-    viser answers in a pool of threads: two answers to a slider that is being dragged may overtake each other, and both
-    read what the slider shows by then. Here the value is taken as it comes, and one is answered after the other.
+    viser handles events in a pool of threads: two events of a slider that is being dragged may overtake each other, and
+    both then read the slider's latest value. Here, values are read on arrival, and events are handled one at a time.
     """
 
     def __init__(self) -> None:
@@ -315,23 +315,23 @@ class EventQueue:
         then: Callable[[], None] | None = None,
         read: Callable[[Any], Any] = lambda event: event.target.value,
     ) -> Callable[[Any], Coroutine[Any, Any, None]]:
-        """What viser calls with an event.
+        """Return the function that viser calls with an event.
 
         Args:
-            action: The answer.
-            then: What is to be done after it, once for all that waits: bring the pages up to date. To do so in between
-                would set a control back that somebody is about to set further.
-            read: The value of the event.
+            action: Handles the event.
+            then: Called afterwards, once for all waiting events, to update the pages. Updating them in between would
+                reset a control that a user is still moving.
+            read: Reads the value of the event.
         """
 
-        async def enqueue(event: Any) -> None:  # the server waits for it, so events come in their order
-            if event.client is not None:  # else the program itself has set the control
+        async def enqueue(event: Any) -> None:  # awaited by the server, so that events stay in order
+            if event.client is not None:  # otherwise the program itself set the control
                 self._waiting.put((action, then, Event(event.client, event.target, read(event))))
 
         return enqueue
 
     def close(self) -> None:
-        """Answer what waits, and end."""
+        """Handle the waiting events, and end the thread."""
         self._waiting.put(None)
         self._thread.join(5.0)
 
@@ -349,7 +349,7 @@ class EventQueue:
 
 
 def _guarded(call: Callable[[], None]) -> None:
-    """A fault of ours, or a value that no page of ours sends, must not leave the controls dead."""
+    """Call a function and log its errors: a bug, or a value that no page sends, must not disable the controls."""
     try:
         call()
     except Exception as error:

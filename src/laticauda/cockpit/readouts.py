@@ -1,4 +1,4 @@
-"""The numbers and the plots of a run."""
+"""Numbers and plots of a run."""
 
 import math
 from pathlib import Path
@@ -14,21 +14,21 @@ from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
 from laticauda.trial.feasibility import feasibility
 
-STEP = 4  # every how many-th sample is drawn
+STEP = 4  # every STEP-th sample is drawn
 COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
 PLOTS: dict[str, dict[str, str]] = read_toml(Path(__file__).with_suffix(".toml"))
-"""Title with its unit, and the lines: column of `Live.plots` and name."""
+"""Lines of each plot, by its title with unit: column of `Live.plots` and name."""
 HEIGHT = 165  # [px]
 FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transport")
-RECENT = 800  # samples in which joints and actuators are looked at
+RECENT = 800  # latest samples, over which joints and actuators are checked
 
 
 def numbers(live: Live) -> dict[str, Any]:
-    """The figures of a `live` run since the scenario was last changed, by name; nan where there is none yet.
+    """Return the figures of a `live` run since the scenario was last changed, by name; nan if not yet available.
 
-    Its `time` so far [s], the forward velocity (5), that of the last gait cycle [m/s], the mean power, electrical with
-    servos or a power model [W], the cost of transport by it [-], cross-track error [m], heading [rad], and `joints`,
-    what these and their actuators were asked for lately, and why the robot cannot do it, if so.
+    The elapsed `time` [s], the forward velocity (5), that over the last gait cycle [m/s], the mean power, electrical
+    with servos or a power model [W], the resulting cost of transport [-], cross-track error [m], heading [rad], and
+    `joints`: recent demands on the joints and their actuators, and why the robot cannot meet them, if so.
 
     Args:
         live: The run.
@@ -55,7 +55,7 @@ def numbers(live: Live) -> dict[str, Any]:
 
 
 def numbers_text(live: Live) -> str:
-    """The figures beside the paper's, as Markdown."""
+    """Return the figures next to those of the paper, as Markdown."""
     failure = live.simulation.failure
     if failure is not None:
         return f"**{failure}** Change something, or reset."
@@ -90,7 +90,7 @@ class Plots:
     """All plots, over the simulated time in seconds.
 
     Args:
-        gui: Of the page's server.
+        gui: GUI of the page's server.
     """
 
     def __init__(self, gui: Any) -> None:
@@ -110,7 +110,7 @@ class Plots:
             )
 
     def show(self, live: Live) -> None:
-        """Draw what there is."""
+        """Draw the available data."""
         columns = live.plots(step=STEP)
         if not columns:
             return

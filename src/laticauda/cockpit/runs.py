@@ -1,4 +1,4 @@
-"""Runs as files: the present one saved, a stored one played back as a ghost, and how to repeat what swims."""
+"""Runs as files: saving the current one, playing back a stored one as a ghost, and repeating the current scenario."""
 
 import contextlib
 import json
@@ -24,49 +24,49 @@ from laticauda.trial import Format, Trial
 
 READ = tuple(ending for ending in Format.endings() if ending != ".csv")
 SAVED = "cockpit-run.nc"
-GAP = 0.5  # from the robot to a ghost beside it, to the left of where that heads [m]
+GAP = 0.5  # from the robot to a ghost next to it, to the left of the robot's heading [m]
 BESIDE = "It begins beside the robot; else it is where it was when it was recorded"
 DURATION = 30.0  # [s]
-SECONDS = 60.0  # for reading what somebody sent
-ROOM = 2 << 30  # likewise, of memory [bytes]
-SHARE = 8  # of that which the file of ours may have at most, and so this process
+SECONDS = 60.0  # time limit for reading an uploaded file
+ROOM = 2 << 30  # memory limit for reading it [bytes]
+SHARE = 8  # ROOM / SHARE is the limit of the converted file, and thus of this process
 REFUSED = 3  # exit status
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each sets memory aside
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each thread reserves memory
 FILE = "scenario.toml"
 COMMAND = f"laticauda swim {FILE}"
 PYTHON = "trial = lc.swim(scenario)\nprint(trial.forward_velocity, trial.mean_power)"
 _TEXT = Path(__file__).with_name("elsewhere.md").read_text().strip()
 TEXT = _TEXT.replace("COMMAND", COMMAND).replace("PYTHON", PYTHON).replace("FILE", FILE)
-"""What a page says of it, as Markdown."""
+"""Explanation on the page, as Markdown."""
 STYLE = Path(__file__).with_name("copy.css").read_text().strip()
 SCRIPT = "".join(Path(__file__).with_name("copy.js").read_text().splitlines()[2:])
 
 
 class Ghost:
-    """A stored trial that is played back again and again.
+    """A stored trial that is played back in a loop.
 
     Args:
         trial: The trial.
 
     Raises:
-        ValueError: If it does not say how the robot was bent.
+        ValueError: If the trial does not contain the robot's posture.
     """
 
     def __init__(self, trial: Trial) -> None:
         trial.need("a picture of the robot", "joint_angle", "heading", "link_angle")
         self.shift = np.zeros(trial.center_of_mass.shape[1])
-        """By which it is shown beside its place [m]."""
+        """Offset of the ghost from its recorded position [m]."""
         self.robot: robot.Robot = trial.chain
         self._trial = trial
         if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
             raise ValueError("The trial must say which way the robot was turned in space, to be shown.")
 
     def move(self, place: np.ndarray) -> None:
-        """Show it so that it begins at a place [m]."""
+        """Shift the ghost so that it begins at a given position [m]."""
         self.shift[:2] = place[:2] - self._trial.center_of_mass[0, :2]
 
     def sample(self, time: float) -> series.Log:
-        """The sample at a time since its begin; after its end it begins anew [s]."""
+        """Return the sample at a time since the beginning [s]; after its end, the trial repeats."""
         trial = self._trial
         within = float(trial.time[0]) + (time % trial.duration if trial.duration > 0.0 else 0.0)
         before: int = np.searchsorted(trial.time, within).item()
@@ -76,12 +76,12 @@ class Ghost:
 
 
 class Runs:
-    """The controls for all of it.
+    """Controls for saving, playing back and repeating runs.
 
     Args:
-        gui: Of the page's server; the controls go where it is.
-        live: What is saved.
-        scene: Where the ghost swims.
+        gui: GUI of the page's server; the controls are added at its current position.
+        live: The simulation that is saved.
+        scene: The scene in which the ghost swims.
     """
 
     def __init__(self, gui: Any, live: Live, scene: Scene) -> None:
@@ -105,12 +105,12 @@ class Runs:
         gui.add_markdown(TEXT)
 
     def changed(self) -> None:
-        """After every change of the scenario."""
+        """Update the copy buttons after a change of the scenario."""
         file = scenario_file(self._live.scenario)
         self._copy.content = copy_buttons({"copy the command": in_shell(file), "copy the Python": in_python(file)})
 
     def begin(self) -> None:
-        """Let the ghost begin anew, with the simulation."""
+        """Restart the ghost together with the simulation."""
         self._since = self._live.simulation.time
         self._place()
 
@@ -118,14 +118,14 @@ class Runs:
         """Play a trial back from now on, as a ghost.
 
         Raises:
-            ValueError: If it does not say how the robot was bent.
+            ValueError: If the trial does not contain the robot's posture.
         """
         self._ghost = Ghost(trial)
         self._beside.visible = self._away.visible = True
         self.begin()
 
     def show(self) -> None:
-        """Bring the ghost up to date, by the simulation's clock."""
+        """Update the ghost according to the simulation's clock."""
         ghost = self._ghost
         if ghost is not None:
             self._scene.ghost(ghost.robot, ghost.sample(max(self._live.simulation.time - self._since, 0.0)))
@@ -150,7 +150,7 @@ class Runs:
             self.play(foreign_trial(path, file.name))
 
     def _place(self, event: Any = None) -> None:
-        """Beside the robot, or where it was."""
+        """Place the ghost beside the robot, or where it was recorded."""
         ghost = self._ghost
         if ghost is None:
             return
@@ -168,14 +168,14 @@ class Runs:
 
 
 def stored_trial(path: Path, name: str) -> Trial:
-    """The trial, or the run of a recorded operation, in a file.
+    """Load the trial, or the run of a recorded operation, from a file.
 
     Args:
         path: The file.
-        name: What messages call it.
+        name: Name of the file in messages.
 
     Raises:
-        TrialFileError: If it is none of them; the message has the reason.
+        TrialFileError: If the file is neither; the message gives the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
     if not path.exists():
@@ -191,17 +191,17 @@ def stored_trial(path: Path, name: str) -> Trial:
 
 
 def foreign_trial(path: Path, name: str) -> Trial:
-    """`stored_trial` of a file that came from somebody: another process reads it, and hands on a file of ours.
+    """Load an uploaded file as `stored_trial` does; another process reads it first, and converts it to one of ours.
 
-    HDF5, zip and the others were not made for files that want to do harm; that process has `SECONDS`, and where the
-    system can limit it, `ROOM` of memory.
+    The readers of HDF5, zip and other formats are not designed for malicious files. The process is limited to `SECONDS`
+    and, where the system supports such a limit, to `ROOM` bytes of memory.
 
     Args:
-        path: The file, in a folder of its own.
-        name: What messages call it.
+        path: The file, in a separate folder.
+        name: Name of the file in messages.
 
     Raises:
-        TrialFileError: If it is none, or could not be read within the limits; the message has the reason.
+        TrialFileError: If it is not such a file, or cannot be read within the limits; the message gives the reason.
     """
     read = path.with_name("read.nc")
     code = f"from {__name__} import hand_on; hand_on()"
@@ -219,9 +219,9 @@ def foreign_trial(path: Path, name: str) -> Trial:
 
 
 def hand_on() -> None:
-    """What that process does: its command line has the two files, the name, and the room."""
+    """Run in that process; its command line contains the two files, the name, and the memory limit."""
     source, target, name, room = sys.argv[1:]
-    with contextlib.suppress(ImportError):  # Windows has none
+    with contextlib.suppress(ImportError):  # not available on Windows
         import resource
 
         for limited, most in ((resource.RLIMIT_AS, int(room)), (resource.RLIMIT_FSIZE, int(room) // SHARE)):
@@ -229,7 +229,7 @@ def hand_on() -> None:
     try:
         stored_trial(Path(source), name).save(target)
     except (ValueError, LaticaudaError) as error:
-        bytes(1 << 24)  # HDF5 calls a file damaged for which it has no memory left; then this ends us, too
+        bytes(1 << 24)  # HDF5 reports a file as damaged when out of memory; then this allocation ends the process
         sys.stderr.write(str(error))
         sys.exit(REFUSED)
 
@@ -242,16 +242,16 @@ def _send(event: Any, name: str, content: bytes) -> None:
 
 
 def scenario_file(scenario: scenarios.Scenario) -> str:
-    """The content of the scenario file: everything that decides the run, for `DURATION`.
+    """Return the content of the scenario file: everything that determines the run, for `DURATION`.
 
     Args:
-        scenario: What swims how.
+        scenario: The scenario.
     """
     return scenarios.run_to_toml(replace(scenario, duration=DURATION))
 
 
 def in_shell(file: str) -> str:
-    """What a shell runs as it is: it writes the file, and runs it.
+    """Return shell commands that write the scenario file and run it.
 
     Args:
         file: The content of the scenario file.
@@ -260,7 +260,7 @@ def in_shell(file: str) -> str:
 
 
 def in_python(file: str) -> str:
-    """A script that runs the scenario without any file; its `trial` is the run.
+    """Return a script that runs the scenario without any file; its `trial` is the run.
 
     Args:
         file: The content of the scenario file.
@@ -270,10 +270,10 @@ def in_python(file: str) -> str:
 
 
 def copy_buttons(texts: dict[str, str]) -> str:
-    """Buttons, as HTML, that put a text on the clipboard of whoever looks at the page: the server cannot.
+    """Return buttons, as HTML, that copy a text to the clipboard of the page's user, which the server cannot do.
 
     Args:
-        texts: What is copied, by what stands on its button.
+        texts: Texts to copy, by the labels of their buttons.
     """
     return "<div style='padding:0.3em 0.8em'>" + "".join(map(_button, texts, texts.values())) + "</div>"
 

@@ -1,6 +1,6 @@
-"""The picture: the robot in its water, with trail, path, forces and a ghost.
+"""Scene of the page: the robot in its water, with trail, path, forces and a ghost.
 
-Moving water is arrows around the robot, and a surface that rises and falls.
+Moving water is shown as arrows around the robot, and as a surface that rises and falls.
 """
 
 import math
@@ -18,38 +18,38 @@ from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_wave
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Environment, Robot, Water
 
-FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the axis of a robot in the plane [m]
+FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface relative to the axis of a robot in the plane [m]
 LEAST_FLOOR = 1.5  # depth of the floor below the surface, for a robot in space [m]
-WIDE = 60.0  # of what has no end [m]
+WIDE = 60.0  # width of unbounded objects [m]
 WATER: Color = (44, 112, 146)
 SAND: Color = (52, 118, 138)
 TRAIL: Color = (255, 190, 60)
 PATH: Color = (120, 230, 140)
 FORCE: Color = (215, 25, 25)
 GHOST: Color = (190, 215, 235)
-AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
-BALL, CYLINDER, BOX = 2, 5, 6  # of MuJoCo's kinds of geoms
+AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right side of the page [m]
+BALL, CYLINDER, BOX = 2, 5, 6  # MuJoCo's geom types
 SOLID: Color = (204, 224, 230)
-ABOVE = math.radians(34.0)  # the robot's plane, where a camera begins [rad]
+ABOVE = math.radians(34.0)  # initial elevation of a camera above the robot's plane [rad]
 HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.0, 0.0))
-"""Where a camera begins, beside the robot and above it, and what it looks at [m]."""
+"""Initial position of a camera, beside and above the robot, and what it looks at [m]."""
 BELOW = np.array((0.0, 0.0, -1.35))  # what a phone's camera looks at, from the robot: the panel hides the bottom [m]
 PHONE = (BELOW + 1.9 * np.subtract(*HOME), BELOW)
-"""The same on a page that is far higher than wide."""
-FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
-PER_NEWTON = 0.06  # length of an arrow [m]
+"""`HOME` for a page that is much taller than wide."""
+FIELD_OF_VIEW = math.radians(55.0)  # vertical [rad]
+PER_NEWTON = 0.06  # length of an arrow per newton [m]
 LOOKS = read_toml(Path(__file__).with_suffix(".toml"))
-TRAIL_STEP, N_TRAIL = 0.02, 600  # least distance of its points [m], and how many they are [-]
+TRAIL_STEP, N_TRAIL = 0.02, 600  # minimum distance between its points [m], and their maximum number [-]
 
 
 class Body:
-    """A robot in the scene: one frame for every part, the shapes in it.
+    """A robot in the scene: one frame per part, with the shapes in it.
 
     Args:
-        scene: Of the page's server.
-        name: Of the body in the scene's tree.
-        color: Of all its shapes; None: their own.
-        opacity: Of its shapes; None: they hide what is behind them [-].
+        scene: Scene of the page's server.
+        name: Name of the body in the scene's tree.
+        color: Color of all its shapes; None: their own.
+        opacity: Opacity of its shapes; None: fully opaque [-].
     """
 
     def __init__(self, scene: Any, name: str, *, color: Color | None = None, opacity: float | None = None) -> None:
@@ -59,7 +59,7 @@ class Body:
         self._root = scene.add_frame(f"/{name}", show_axes=False)
 
     def show(self, robot: Robot, sample: series.Log) -> Poses:
-        """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
+        """Draw the robot as in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
         if robot != self._robot:
             self._build(robot)
         now = poses(robot, sample)
@@ -68,11 +68,11 @@ class Body:
         return now
 
     def set_visible(self, is_visible: bool) -> None:
-        """Show it, or hide it where it is."""
+        """Show the body, or hide it in place."""
         self._root.visible = is_visible
 
     def remove(self) -> None:
-        """Take it out of the scene."""
+        """Remove the body from the scene."""
         for frame in self._frames:
             frame.remove()
         self._frames, self._robot = [], None
@@ -95,13 +95,13 @@ class Body:
 
 
 class Line:
-    """A line through points, or none.
+    """A line through points, hidden if there are too few.
 
     Args:
-        scene: Of the page's server.
-        name: Of the line in the scene's tree.
-        color: Of the line.
-        thickness: Likewise [m].
+        scene: Scene of the page's server.
+        name: Name of the line in the scene's tree.
+        color: Color of the line.
+        thickness: Thickness of the line [m].
     """
 
     def __init__(self, scene: Any, name: str, color: Color, thickness: float) -> None:
@@ -110,19 +110,19 @@ class Line:
         )
 
     def draw(self, points: np.ndarray) -> None:
-        """Draw it through these points, or none through less than two [m]."""
+        """Draw the line through these points [m]; hide it if there are fewer than two."""
         if len(points) > 1:
             self._line.points = np.stack((points[:-1], points[1:]), axis=1).astype(np.float32)
         self._line.visible = len(points) > 1
 
 
 class Trail:
-    """Where a robot has been: a line that grows, and never gets longer than `N_TRAIL` points.
+    """Trail of a robot: a growing line with at most `N_TRAIL` points.
 
     Args:
-        scene: Of the page's server.
-        name: Of the line in the scene's tree.
-        color: Of the line.
+        scene: Scene of the page's server.
+        name: Name of the line in the scene's tree.
+        color: Color of the line.
     """
 
     def __init__(self, scene: Any, name: str, color: Color) -> None:
@@ -131,28 +131,28 @@ class Trail:
         self._end: np.ndarray | None = None
 
     def grow(self, place: np.ndarray) -> None:
-        """Let it grow to a place, in the plane or in space [m]."""
+        """Extend the trail to a position, in the plane or in space [m]."""
         place = in_space(place, 0.0)
         if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
             self._points.append(place)
 
     def draw(self) -> None:
-        """Draw it as far as it has grown."""
+        """Draw the trail up to its last point."""
         if self._points and self._points[-1] is not self._end:
             self._end = self._points[-1]
             self._line.draw(np.array(self._points))
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Clear the trail."""
         self._points.clear()
         self._line.draw(np.empty((0, 3)))
 
 
 class Scene:
-    """All that is seen of a simulation.
+    """Everything that is shown of a simulation.
 
     Args:
-        scene: Of the page's server.
+        scene: Scene of the page's server.
     """
 
     def __init__(self, scene: Any) -> None:
@@ -160,18 +160,18 @@ class Scene:
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
         self.trail = Trail(scene, "/trail", TRAIL)
-        """That of the center of mass, as far as it was shown."""
+        """Trail of the center of mass, as far as it was shown."""
         self._path = Line(scene, "/path", PATH, 0.016)
         self._around: list[Any] = []
         self._place: Any = None
-        # In a frame of their own at the center of mass: a slow page takes up places sooner than shapes.
+        # In a separate frame at the center of mass: a slow page updates positions sooner than shapes.
         self._forces_at = scene.add_frame("/forces", show_axes=False, visible=False)
-        arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # not seen
+        arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # invisible
         self._forces = scene.add_arrows("/forces/arrows", arrow, FORCE, **LOOKS["forces"])
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
-        # Three lamps instead of a picture of the surroundings: shadows are deep, and a weak computer draws faster.
+        # Three lights instead of an environment map: shadows are deep, and a weak computer renders faster.
         scene.configure_environment_map(None)
         scene.add_light_hemisphere("/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4)
         scene.add_light_directional("/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0))
@@ -182,7 +182,7 @@ class Scene:
         self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
     def show(self, robot: Robot, environment: Environment, sample: series.Log, *, forces: bool) -> None:
-        """Draw the robot and its water, and the force on every link if it is in the sample and asked for."""
+        """Draw the robot and its water, and the force on every link if it is requested and in the sample."""
         now = self._body.show(robot, sample)
         self._water.show(environment, robot, sample.center_of_mass, float(sample.time))
         place = in_space(sample.center_of_mass, 0.0)
@@ -191,7 +191,7 @@ class Scene:
         if arrows is not None:
             self._forces.points, self._forces_at.position = arrows, place
         self._forces_at.visible = arrows is not None
-        # Floor and surface have no end: they go along in steps of a section of the grid.
+        # Floor and surface are unbounded: they follow the robot in steps of one grid section.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample.center_of_mass[:2])
         floor, surface = FLOOR, SURFACE
         if sample.center_of_mass.size == 3:  # the floor sinks in steps with a robot that dives deeper
@@ -202,11 +202,11 @@ class Scene:
                 handle.position = (x, y, z)
 
     def path(self, points: np.ndarray) -> None:
-        """Draw the path through these points [m], or none through none."""
+        """Draw the path through these points [m]; hide it if there are none."""
         self._path.draw(points)
 
     def surroundings(self, plant: Plant[Any], state: Any) -> None:
-        """Draw the boxes, cylinders and balls that stand around the robot of a plant in a state."""
+        """Draw the boxes, cylinders and balls around the robot of a plant in a given state."""
         if (scene := getattr(plant.settings, "scene", None)) is self._place:
             return
         for handle in self._around:
@@ -229,11 +229,11 @@ class Scene:
                 self._around.append(self._scene.add_icosphere(name, radius=size[0], **look))
 
     def set_visible(self, is_visible: bool) -> None:
-        """Show the robot, or hide it: its trail and its path stay."""
+        """Show or hide the robot; its trail and its path stay."""
         self._body.set_visible(is_visible)
 
     def ghost(self, robot: Robot | None, sample: series.Log | None = None) -> None:
-        """Draw a ghost as it is in a sample, or none."""
+        """Draw a ghost as in a sample, or remove it."""
         if robot is None or sample is None:
             self._ghost.remove()
         else:
@@ -241,7 +241,7 @@ class Scene:
 
 
 def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | None) -> Any:
-    """An opaque one shows its upper side and the shadows on it, another one its lower side."""
+    """Add a plane; if opaque, its upper side is visible, with the shadows on it, otherwise its lower side."""
     half = 0.5 * WIDE
     corners = np.array([[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32)
     faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.uint32)
@@ -259,27 +259,27 @@ def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | 
 
 
 def _linear(color: Color) -> tuple[float, float, float]:
-    """A color as the page's fog takes it: in amounts of light, where all others are in steps that look equal."""
+    """Convert a color to linear light for the page's fog; all other colors are in perceptually uniform steps."""
     r, g, b = (((share + 0.055) / 1.055) ** 2.4 for share in (value / 255.0 for value in color))
     return r, g, b
 
 
 def _arrows(now: Poses, sample: series.Log, place: np.ndarray) -> np.ndarray | None:
-    """From every link's middle, seen from `place`, as long as its force is large; None if there are no forces."""
+    """Return arrows proportional to the forces from the links' midpoints, relative to `place`; None without forces."""
     if not sample.link_force:
         return None
     force = np.sum(list(sample.link_force.values()), axis=0)
     if force.shape[1] == 2:
         force = np.column_stack((force, np.zeros(len(force))))
     size = np.linalg.norm(force, axis=1, keepdims=True)
-    longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # of a meter
+    longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # at most a meter
     begin = now.middle - place
     return np.stack((begin, begin + PER_NEWTON * longest * force), axis=1).astype(np.float32)
 
 
-# ---- water that moves ------------------------------------------------------------------------------------------------
+# ---- moving water ----------------------------------------------------------------------------------------------------
 
-REACH, CORNERS = 10.0, 29  # of the surface: from the robot to its sides [m], and its corners along one of these
+REACH, CORNERS = 10.0, 29  # of the surface: distance from the robot to its sides [m], and corners along one side
 ARROW = (205, 240, 255)
 
 
@@ -287,7 +287,7 @@ class MovingWater:
     """The water of a scene, if it moves.
 
     Args:
-        scene: Of the page's server.
+        scene: Scene of the page's server.
     """
 
     def __init__(self, scene: Any) -> None:
@@ -296,17 +296,17 @@ class MovingWater:
         self._drawn: object = None
         self._arrows: Arrows | None = None
         self.surface: Surface | None = None
-        """If it moves."""
-        self._handles: list[Any] = []  # of the arrows, and of that
+        """Surface of the water, if it moves."""
+        self._handles: list[Any] = []  # of the arrows and the surface
 
     def show(self, environment: Environment, robot: Robot, place: np.ndarray, t: float) -> None:
-        """Bring it up to date.
+        """Update arrows and surface.
 
         Args:
-            environment: Where the robot is.
-            robot: Around which it is shown.
-            place: Its center of mass, in the plane or in space [m].
-            t: Since the start of the run [s].
+            environment: Environment of the robot.
+            robot: Robot around which the water is shown.
+            place: Center of mass of the robot, in the plane or in space [m].
+            t: Time since the start of the run [s].
         """
         if (environment, robot) != self._shown:
             self._shown = environment, robot
@@ -323,7 +323,7 @@ class MovingWater:
                 self._handles[1].vertices = (self.surface.at(near, t) + level).astype(np.float32)
 
     def _begin(self, environment: Environment, robot: Robot, place: np.ndarray, t: float) -> None:
-        """With other water, or another robot."""
+        """Recreate arrows and surface for other water, or another robot."""
         for handle in self._handles:
             handle.remove()
         self._handles, self.surface, self._arrows, self._drawn = [], None, None, None

@@ -1,4 +1,4 @@
-"""Where every part of the robot is, and what it looks like: meshes in frames, without any engine."""
+"""Pose and appearance of every part of the robot: meshes in frames, without any graphics engine."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -25,21 +25,21 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Poses:
-    """All parts at one instant: the modules, tail first, each at its tail end; then the pieces of the fin."""
+    """Poses of all parts at one instant: the modules, tail first, each at its tail end; then the pieces of the fin."""
 
     position: Float[np.ndarray, "n_parts 3"]
-    """[m]."""
+    """Positions [m]."""
     orientation: Float[np.ndarray, "n_parts 4"]
     """Quaternions (w, x, y, z) [-]."""
     middle: Float[np.ndarray, "n_links 3"]
-    """Of every module [m]."""
+    """Midpoint of every module [m]."""
 
 
 def shapes(robot: Robot) -> list[Shape]:
-    """What the robot looks like: housings with their bands, a head, a plate for the fin.
+    """Return the shapes of the robot: housings with their bands, a head, a plate for the fin.
 
     Args:
-        robot: As its plant has it.
+        robot: The robot as its plant has it.
     """
     found = [
         Shape(i, build(module), _color(material))
@@ -55,12 +55,12 @@ def shapes(robot: Robot) -> list[Shape]:
 
 
 def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
-    """Where its parts are.
+    """Compute the poses of the robot's parts.
 
     Args:
-        robot: As its plant has it: all of its modules in space, `Robot.planar` of them in the plane.
+        robot: The robot as its plant has it: with all of its modules in space, `Robot.planar` of them in the plane.
         sample: One sample of the plant's log, or of a trial.
-        height: Of a robot in the plane [m].
+        height: Height of a robot in the plane [m].
     """
     if sample.center_of_mass.size == 3:
         root = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))
@@ -88,7 +88,7 @@ def _color(material: str) -> Color:
 
 
 def _mesh(box: appearance.Box) -> appearance.Mesh:
-    """Every face has corners of its own, so that edges stay sharp."""
+    """Return the mesh of a box; each face has its own corners, so that edges stay sharp."""
     corner = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     vertices = corner * box.half_size + box.position
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

@@ -1,4 +1,4 @@
-"""The simulation behind the page, a value that `advance` and `altered` make another one of; what a page changes."""
+"""Simulation behind the page: a value from which `advance` and `altered` make another one; changes by a page."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,12 +14,12 @@ from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
 from laticauda.trial.measured import MeasuredTrial, measured_setting
 
 TICK = 0.025  # time between two samples [s]
-# For how long the amplitude is 0 before another kind of gait begins: 10 time constants of the generator's filter leave
-# some 1e-3 of it.
+# How long the amplitude is 0 before another kind of gait begins: after 10 time constants of the generator's filter,
+# about 1e-3 of it is left.
 FADE = 1.0  # [s]
-N_HINGES = 3  # of a fin that bends
+N_HINGES = 3  # of an elastic fin
 STILL = (0.0, 0.0)
-WIDE = 60.0  # to either side, of a path that has no end [m]
+WIDE = 60.0  # to either side, of an unbounded path [m]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,53 +27,53 @@ class Simulation:
     """A scenario at one instant."""
 
     scenario: Scenario
-    """What swims how, where and by which model."""
+    """Robot, motion, environment and model."""
     plant: lc.Plant[Any]
-    """That of the scenario."""
+    """Plant of the scenario."""
     state: Any
-    """Of the plant."""
+    """State of the plant."""
     controller_state: Any
-    """Of the scenario's controller."""
+    """State of the scenario's controller."""
     command: lc.Command
-    """What acts: what the controller said last, or what is left of it until the loop's delay is over."""
+    """Command in effect: the controller's last one, or what is left of it until the loop's delay is over."""
     shape: lc.Gait
-    """The gait whose envelope is swum: the old one until its amplitude has come down."""
+    """Gait whose envelope is in use: the old one until its amplitude has decayed."""
     fade: float = 0.0
-    """How long it still has to [s]."""
+    """Remaining time of that decay [s]."""
     ticks: int = 0
-    """Since the simulation began [-]."""
+    """Ticks since the simulation began [-]."""
     next_control: int = 0
-    """The tick at which the controller is asked again."""
+    """Tick at which the controller runs next."""
     coming: tuple[tuple[int, lc.Command], ...] = ()
     """Commands on their way to the joints, and the tick at which each arrives."""
     failure: str | None = None
-    """What went wrong; it stands still then."""
+    """What went wrong, after which the simulation stands still; None if nothing did."""
 
     @property
     def time(self) -> float:
-        """Since the simulation began [s]."""
+        """Time since the simulation began [s]."""
         return self.ticks * TICK
 
     @property
     def held(self) -> lc.Command:
-        """What the plant is given now: the command, but for another kind of gait that has to wait."""
+        """Command given to the plant now: `command`, except while another kind of gait has to wait."""
         if self.fade == 0.0:
             return self.command
         return replace(self.command, gait=replace(self.shape, amplitude=0.0))
 
     @property
     def control_ticks(self) -> int:
-        """How many ticks a command is held [-]."""
+        """Number of ticks for which a command is held [-]."""
         return max(round(min(self.scenario.controller.interval, 1e3) / TICK), 1)
 
     @property
     def delay_ticks(self) -> int:
-        """How many ticks a command is on its way [-]."""
+        """Number of ticks by which a command is delayed [-]."""
         return 0 if isinstance(self.scenario.motion, lc.Gait) else round(self.scenario.model.loop_delay / TICK)
 
     @property
     def has_interval(self) -> bool:
-        """Whether a command comes as late and is held as long as the scenario says, or until the end."""
+        """Whether a command is delayed and held for as long as the scenario says, or held until the end."""
         interval, delay = self.scenario.controller.interval, self.scenario.model.loop_delay
         if math.isinf(interval):
             return True
@@ -90,17 +90,17 @@ class Simulation:
         return path.locate(self.controller_state.progress, at)[1].cross_track_error
 
     def altered(self, scenario: Scenario) -> "Simulation":
-        """The simulation with another scenario, from now on; before the first tick, one that begins with it.
+        """Return the simulation with another scenario from now on; before the first tick, one that begins with it.
 
-        Another gait is taken up by the reference generator, so that nothing jumps. Another body (robot, water, model)
-        goes on from the same state where that has the same numbers, else straight and at rest at the same place and
-        heading.
+        The reference generator changes smoothly to another gait, so that nothing jumps. Another body (robot, water,
+        model) continues from the same state if its state has the same numbers; otherwise it starts straight and at
+        rest, at the same position and heading.
 
         Args:
-            scenario: As it is to be.
+            scenario: The new scenario.
 
         Raises:
-            ValueError: If the scenario does not go together; the simulation stays what it was.
+            ValueError: If the scenario is inconsistent; the simulation stays unchanged.
         """
         if self.ticks == 0:
             return begin(scenario)
@@ -125,16 +125,16 @@ class Simulation:
             failure=None,
             **steering,
         )
-        body.march(after.state, after.held, TICK, TICK)  # refuses now what it would refuse later
+        body.march(after.state, after.held, TICK, TICK)  # rejects now what it would reject later
         return after
 
     def _carried(self, body: lc.Plant[Any], gait: lc.Gait) -> Any:
-        """The old state in a new body, or a new one at the same place."""
+        """Return the old state for a new body, or a new state at the same position."""
         if type(body) is type(self.plant) and self.plant.robot.n_links == body.robot.n_links:
             try:
                 return body.unpack(self.plant.pack(self.state))
             except ValueError:
-                pass  # a fin that bends has more numbers
+                pass  # an elastic fin has more numbers
         now = self.plant.observe(self.state)
         x, y, *height = (float(value) for value in now.center_of_mass)
         start = lc.Start(center_of_mass=(x, y), heading=float(now.heading))
@@ -143,10 +143,10 @@ class Simulation:
         return body.init(start, lc.Command(gait=gait))
 
     def advance(self, *, link_forces: bool = False) -> tuple["Simulation", series.Log]:
-        """The simulation one `TICK` later, and what was logged, with the controller's signals: both ends of the tick.
+        """Return the simulation one `TICK` later, and the log of both ends of the tick, with the controller's signals.
 
         Args:
-            link_forces: Whether to log the force on every link too.
+            link_forces: Whether to also log the force on every link.
         """
         now, body, controller = self, self.plant, self.scenario.controller
         if now.ticks >= now.next_control:
@@ -171,19 +171,19 @@ class Simulation:
 
 
 def begin(scenario: Scenario) -> Simulation:
-    """A simulation in which the robot lies straight, as the scenario's start says.
+    """Create a simulation in which the robot lies straight, at the scenario's start.
 
     Args:
-        scenario: What swims how.
+        scenario: The scenario to simulate.
 
     Raises:
-        ValueError: If it does not go together, or a page cannot show it.
+        ValueError: If the scenario is inconsistent, or a page cannot show it.
     """
     body, start = lc.plant(checked(scenario)), scenario.start
     instance("start", start, lc.Start)
     command = lc.Command(gait=scenario.gait)
     state = body.init(cast(lc.Start, start), command)
-    body.march(state, command, TICK, TICK)  # refuses now what it would refuse later
+    body.march(state, command, TICK, TICK)  # rejects now what it would reject later
     return Simulation(
         scenario=scenario,
         plant=body,
@@ -194,11 +194,11 @@ def begin(scenario: Scenario) -> Simulation:
     )
 
 
-# ---- what a page can change about a scenario, and what goes along with it -----------------------------------------
+# ---- changes to a scenario that a page can make, and what they entail ---------------------------------------------
 
 
 class Changes(TypedDict, total=False):
-    """What can be changed; `model` and `joints` may be names, no `path` is None, and no `depth` of one."""
+    """Possible changes; `model` and `joints` may be names, and None means no `path`, or no `depth` along it."""
 
     robot: lc.Robot
     gait: lc.Gait
@@ -211,14 +211,14 @@ class Changes(TypedDict, total=False):
 
 
 def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
-    """Another scenario; the default water goes along with robot and gait.
+    """Return a changed scenario; the default water adapts to robot and gait.
 
     Args:
-        scenario: As it is.
-        changes: What is to be otherwise.
+        scenario: The current scenario.
+        changes: Fields to change.
 
     Raises:
-        ValueError: If something is out of its range.
+        ValueError: If a value is out of range.
     """
     gait, motion, model = changes.get("gait", scenario.gait), scenario.motion, scenario.model
     path, depth = changes.get("path", path_of(scenario)), changes.get("depth", depth_of(scenario))
@@ -241,11 +241,11 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
 
 
 def checked(scenario: Scenario) -> Scenario:
-    """The scenario, if a page can show it.
+    """Return the scenario, if a page can show it.
 
     Raises:
-        ValueError: If it swims in no water, is steered by something else than path following, or its joints have no
-            room for the steering.
+        ValueError: If the robot is not in water, is steered by anything other than path following, or its joints have
+            no room for the steering.
     """
     instance("environment", scenario.environment, lc.Water)
     instance("motion", scenario.motion, lc.Gait, lc.PathFollowing)
@@ -254,16 +254,16 @@ def checked(scenario: Scenario) -> Scenario:
 
 
 def path_of(scenario: Scenario) -> control.Path[Any] | None:
-    """The path that is followed, in plan, or None."""
+    """Return the path that is followed, in plan view, or None."""
     return scenario.motion.path if isinstance(scenario.motion, lc.PathFollowing) else None
 
 
 def route_of(scenario: Scenario, height: float) -> np.ndarray:
-    """Points of the path that is followed [m], if any: in its own heights, or at this one if depth is not steered."""
+    """Return points of the followed path [m], if any: at its own heights, or at `height` if depth is not steered."""
     path = path_of(scenario)
     if path is None:
         return np.empty((0, 3))
-    end = getattr(path, "lengths", (0.0,))[-1]  # a straight line has none; in pieces, or too little is shown
+    end = getattr(path, "lengths", (0.0,))[-1]  # a straight line has none; in pieces, else too little is shown
     along = np.arange(0.0, end, 0.05) if end else np.arange(-WIDE, WIDE, 2.0)
     profile = np.array([(0.0, height)])
     if isinstance(scenario.motion, lc.SpatialPathFollowing):
@@ -273,24 +273,24 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
 
 
 def depth_of(scenario: Scenario) -> float | None:
-    """The depth that is held along it, or None [m]."""
+    """Return the depth that is held along the path, or None [m]."""
     profile = scenario.motion.profile if isinstance(scenario.motion, lc.SpatialPathFollowing) else None
     return -profile.point[1] if isinstance(profile, lc.StraightLine) else None
 
 
 def measured(scenario: Scenario) -> MeasuredTrial | None:
-    """The paper's trial of this scenario, if it is one."""
+    """Return the paper's trial with this scenario, or None."""
     gait = scenario.motion if isinstance(scenario.motion, lc.Gait) else None
     return measured_setting(scenario.robot, gait, scenario.environment)
 
 
 def with_fin(robot: lc.Robot, has_fin: bool, rigidity: float | None) -> lc.Robot:
-    """The robot with or without a fin: its own, or Mamba's if it has none.
+    """Return the robot with or without a fin: its own, or Mamba's if it has none.
 
     Args:
-        robot: What swims.
-        has_fin: Whether it is to have one.
-        rigidity: E I of a fin that bends; None: rigid [N m^2].
+        robot: The robot.
+        has_fin: Whether the result has a fin.
+        rigidity: E I of an elastic fin; None: rigid [N m^2].
 
     Raises:
         ValueError: If the rigidity is not positive.

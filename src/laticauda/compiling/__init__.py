@@ -29,9 +29,9 @@ from laticauda.files import locked
 
 
 def _find_folder() -> str:
-    """Where Numba may write to no folder of its own, make it keep machine code in one of this program and its children.
+    """Make Numba cache code in a temporary folder of this program and its children if it has no writable folder.
 
-    The folder goes with the program; returns words for that, which are empty for a folder of Numba's own.
+    The folder is deleted when the program ends; returns a message about that, empty if Numba uses its own folder.
     """
     try:
         njit(cache=True)(_find_folder)
@@ -48,42 +48,42 @@ _kept_for_now = _find_folder()
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Target:
-    """What kernels are compiled for: how, and what stands in the place of some functions."""
+    """Compilation target of kernels: its decorators, and replacements for some functions."""
 
     kernel: Callable[[Callable[..., Any]], Any]
     """Decorator of inner functions and scalar laws, which only kernels call."""
     entry: Callable[[Callable[..., Any]], Any]
     """Decorator of entry points."""
     in_lanes: Callable[[Any], Any]
-    """Makes of a compiled function of numbers one of lanes."""
+    """Converts a compiled function of numbers to one of lanes."""
     formulas: Mapping[Any, Any]
-    """What stands in the place of functions that laws call, as those of `scalars`."""
+    """Replacements for functions that laws call, such as those of `scalars`."""
     instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    """What stands in the place of names that the templates of kernels import or define."""
+    """Replacements for names that the kernel templates import or define."""
     made: dict[Any, Any] = field(default_factory=dict[Any, Any])
-    """Functions that were made for it, by what they were made of."""
+    """Functions made for this target, keyed by what they were made from."""
 
 
 def kernel(function: FunctionType) -> Any:
-    """Decorator of inner functions: compiled into whatever calls them, and not to be called from Python.
+    """Decorate an inner function: it is compiled into its callers and cannot be called from Python.
 
     Args:
-        function: Of a kernel.
+        function: Inner function of a kernel.
     """
     return _target.get().kernel(function)
 
 
 def compiled(function: FunctionType) -> Any:
-    """Compile a plain scalar function together with the plain functions that it calls, for kernels.
+    """Compile a plain scalar function for kernels, together with the plain functions that it calls.
 
-    Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
+    Numba itself requires each of them to be decorated; with this function, laws stay ordinary Python.
 
     Args:
-        function: Of numbers; it may close over numbers and call functions like itself.
+        function: Function of numbers; it may close over numbers and call functions of the same kind.
     """
     function = getattr(function, "py_func", function)
     code = function.__code__
-    # Machine code on disk names the module of every function in it, and each must be there when it is loaded.
+    # Machine code on disk names the module of every function in it; all of these must exist when it is loaded.
     names: dict[str, Any] = {**function.__globals__, "__name__": __name__}
     for name in globals_of(code):
         if isinstance(names.get(name), FunctionType):
@@ -91,7 +91,7 @@ def compiled(function: FunctionType) -> Any:
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
     closure = tuple(CellType(cell) for cell in cells)
-    # Numba knows no arguments that are keywords only.
+    # Numba does not support keyword-only arguments.
     code = code.replace(co_argcount=code.co_argcount + code.co_kwonlyargcount, co_kwonlyargcount=0)
     return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
@@ -101,21 +101,21 @@ def _compiled_inner(function: Callable[..., Any]) -> Any:
 
 
 def for_python(function: FunctionType) -> Any:
-    """A function that only kernels call, as one that Python calls.
+    """Return a version that Python can call of a function that only kernels call.
 
     Args:
-        function: Plain, or as `compiled` returned it.
+        function: Plain function, or the result of `compiled`.
     """
     return njit(**INLINED)(getattr(function, "py_func", function))
 
 
 def target() -> Target:
-    """What is compiled for now."""
+    """Return the current compilation target."""
     return _target.get()
 
 
 def _all_or_each(function: Any) -> Any:
-    """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
+    """Make a compiled function of floats accept lanes: all at once if possible, one by one if the function branches."""
 
     def call(*arguments: Any) -> Any:
         raise NotImplementedError("only kernels call this")
@@ -134,29 +134,29 @@ def _all_or_each(function: Any) -> Any:
 
 
 def entry(function: FunctionType) -> Any:
-    """Decorator of entry points: what Python calls.
+    """Decorate an entry point, which Python calls.
 
     Args:
-        function: Of a module whose name ends in a digest of all that it is made of.
+        function: Function of a module whose name ends in a digest of everything that it is made of.
     """
     return _target.get().entry(function)
 
 
 def _kept(function: Callable[..., Any]) -> Any:
-    """Compile, and keep the machine code on disk.
+    """Compile a function and cache the machine code on disk.
 
-    Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
-    which is the end of the module's name, goes into that name.
+    Numba stores the code under the function's qualified name and ignores what the function calls, so the digest at the
+    end of the module's name is added to that name.
     """
     function.__qualname__ += "_" + function.__module__.rpartition("_")[2]
     return in_turn(cast(FunctionType, function))
 
 
 def in_turn(function: FunctionType) -> Any:
-    """Make processes that need a function at the same time compile it once: one does, the others load what it kept.
+    """Compile a function only once if several processes need it at the same time; the others load the cached code.
 
     Args:
-        function: Whose machine code is kept on disk.
+        function: Function whose machine code is cached on disk.
     """
     compiled: Any = njit(cache=True, nogil=True, **OPTIONS)(function)
     if ready.FOLDER.is_dir():
@@ -166,7 +166,7 @@ def in_turn(function: FunctionType) -> Any:
     def compile_or_load(signature: Any) -> Any:
         with locked(Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True):
             found = compile_now(signature)
-        if _kept_for_now and compiled.stats.cache_misses:  # none of what came with the installation
+        if _kept_for_now and compiled.stats.cache_misses:  # the code did not come with the installation
             warnings.warn(f"{_kept_for_now}; name a folder in NUMBA_CACHE_DIR that it may write to", stacklevel=2)
         return found
 
@@ -175,11 +175,11 @@ def in_turn(function: FunctionType) -> Any:
 
 
 def for_c(signature: Any, function: FunctionType) -> Any:
-    """Compile a function that C calls, and keep the machine code on disk; processes do it in turn, as `in_turn` says.
+    """Compile a function that C calls and cache the machine code on disk; processes take turns as in `in_turn`.
 
     Args:
-        signature: Of Numba's types.
-        function: Whose name ends in a digest of all that it is made of.
+        signature: Signature in Numba's types.
+        function: Function whose name ends in a digest of everything that it is made of.
     """
     folder = Path(cast(Any, njit(cache=True)(function)).stats.cache_path)
     with locked(folder / f"{function.__qualname__}.lock", wait=True):
@@ -203,10 +203,10 @@ _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
 
 @contextmanager
 def compiling_for(target: Target) -> Generator[None]:
-    """Compile for something else than this machine's processor in the meantime.
+    """Compile for a target other than this machine's processor within a `with` block.
 
     Args:
-        target: What.
+        target: Target to compile for.
     """
     before = _target.set(target)
     try:
@@ -216,7 +216,7 @@ def compiling_for(target: Target) -> Generator[None]:
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
-    """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to.
+    """Return the digest of a function's code, the values it closes over and the functions and numbers it refers to.
 
     Args:
         function: Any Python function, or one that Numba has compiled.
@@ -231,7 +231,7 @@ def _parts(value: Any, seen: set[int]) -> list[str]:
     function = getattr(value, "py_func", value)
     code = getattr(function, "__code__", None)
     if not isinstance(code, CodeType):
-        # Modules and other objects count by their type: their text would hold an address.
+        # Modules and other objects are represented by their type, because their text would contain an address.
         return [f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__]
     if id(code) in seen:
         return []
@@ -253,10 +253,10 @@ def _text_of(code: CodeType) -> list[str]:
 
 @cache
 def globals_of(code: CodeType) -> list[str]:
-    """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them.
+    """Return the global names that code refers to, once each; attribute names, as in `self.exponent`, do not count.
 
     Args:
-        code: Of a function.
+        code: Code of a function.
     """
     own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
     inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in globals_of(c)]

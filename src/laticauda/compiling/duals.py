@@ -1,11 +1,11 @@
-"""Arithmetic of numbers with an imaginary part so small that its square is nothing: a complex step, to rounding.
+"""Arithmetic of numbers with an imaginary part whose square is negligible: a complex step, to rounding.
 
-A number is a pair: what it is, and its derivative times the step; the second is None where it is known to be 0. The
-first is computed as without a second. Functions get the builder of LLVM instructions, and `emit`, which gives
-the first; values may be floats or vectors of them.
+A number is a pair: its value, and its derivative times the step; the derivative is None if it is known to be 0. The
+value is computed as if there were no derivative. Functions get the builder of LLVM instructions, and `emit`, which
+emits the value; values may be floats or vectors of floats.
 
-Where a function has a kink, it is differentiated on the side where the number lies; roots and powers of 0, whose slope
-has no bound, get the slope 0, because what swims uses them in products that have that slope (|v| v).
+A function with a kink is differentiated on the side where the number lies. Roots and powers of 0, whose slope is
+unbounded, get the slope 0, because the models use them in products that have that slope (|v| v).
 """
 
 # pyright: basic
@@ -43,24 +43,24 @@ def negate(builder, emit, a):
 
 
 def magnitude(builder, emit, a):
-    """|a|, by the sign of its real part."""
+    """|a|, based on the sign of its real part."""
     negative = builder.fcmp_ordered("<", a[0], ir.Constant(a[0].type, None))
     return tuple(part and builder.select(negative, builder.fneg(part), part) for part in a)
 
 
 def step(builder, emit, a):
-    """What is constant but where it jumps."""
+    """Apply a function that is constant except where it jumps."""
     return emit(a[0]), None
 
 
 def square_root(builder, emit, a):
-    """The root of a; a' / (2 root)."""
+    """Square root of a; a' / (2 root)."""
     root = emit(a[0])
     return root, _slope_or_none(builder, root, builder.fadd(root, root), a[1])
 
 
 def power(builder, emit, a, b):
-    """a to the power of b; b a^b a' / a. A derivative to the exponent is not there."""
+    """a to the power of b; b a^b a' / a. The derivative with respect to the exponent is not supported."""
     value = emit(a[0], b[0])
     if b[1] is not None:
         raise NotImplementedError("the exponent of a power must not depend on what is differentiated")
@@ -70,7 +70,7 @@ def power(builder, emit, a, b):
 
 
 def pick(sign):
-    """The one of a and b that is on this side of the other."""
+    """Return a function that picks one of a and b: a if `a sign b` holds, else b."""
 
     def of_two(builder, emit, a, b):
         first = builder.fcmp_ordered(sign, a[0], b[0])
@@ -91,7 +91,7 @@ def _times(builder, derivative, factor):
 
 
 def _slope_or_none(builder, value, divisor, derivative):
-    """derivative / divisor, but 0 where `value` is."""
+    """derivative / divisor, but 0 where `value` is 0."""
     if derivative is None:
         return None
     zero = ir.Constant(value.type, None)

@@ -1,4 +1,4 @@
-"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with numbers alone, or with lanes.
+"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with plain numbers or with lanes.
 
 The motion of water is the sum of the formulas of many parts (`summed`).
 """
@@ -23,10 +23,10 @@ _checked: set[str] = set()
 
 
 def digest_of(formula: Formula) -> str:
-    """What the machine code of a formula depends on: its code and what that calls, the names and order of its fields.
+    """Return what a formula's machine code depends on: its code and what that calls, names and order of its fields.
 
     Args:
-        formula: Of a law; what one's own calls may be defined anew while the program runs, what ours calls may not.
+        formula: Formula of a law; what a user's formula calls may be redefined at run time, unlike laticauda's own.
     """
     return _digest_of_ours(formula) if _is_ours(formula) else " ".join([fingerprint(formula.function), *formula.fields])
 
@@ -41,12 +41,12 @@ def _is_ours(formula: Formula) -> bool:
 
 
 def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
-    """A formula as a compiled function of numbers alone.
+    """Return a formula as a compiled function of plain numbers.
 
     Args:
-        formula: It takes `n_first` numbers and a `record`.
-        record: A NamedTuple of what the kernel knows about the thing that the law acts on; None: it takes none.
-        n_first: How many numbers come before the record's; behind those come the law's own.
+        formula: Formula that takes `n_first` numbers and a `record`.
+        record: NamedTuple type of the kernel's data about the object that the law acts on; None: no record.
+        n_first: Count of the numbers before those of the record, which the law's own numbers follow.
     """
     inner, last = compiled(formula.function), n_first + _size(record)
     own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
@@ -69,7 +69,7 @@ def _size(record: Any) -> int:
 
 
 def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
-    """The same for kernels: it takes lanes too, and is made once for all of them; see `in_numbers`."""
+    """Return a formula as `in_numbers` does, but also for lanes; made once for all kernels of a target."""
     now, key = target(), (digest_of(formula), record, n_first)
     if key not in now.made:
         now.made[key] = now.in_lanes(in_numbers(formula, record, n_first))
@@ -84,18 +84,18 @@ def check(
     count: int,
     results: str,
 ) -> None:
-    """Refuse a formula that cannot be compiled, or does not return finite numbers; ours do.
+    """Reject a formula that cannot be compiled or does not return finite numbers; laticauda's own are not checked.
 
     Args:
-        formula: Of a law.
-        numbers: The law's own.
-        record: The named tuple that the formula takes last; None: numbers only.
-        example: What it is called with, the record's numbers at the end.
-        count: How many numbers it must return.
-        results: What they are, in words.
+        formula: Formula of a law.
+        numbers: The law's own numbers.
+        record: NamedTuple type that the formula takes last; None: numbers only.
+        example: Example arguments, with the record's numbers at the end.
+        count: Count of the numbers that it must return.
+        results: Description of the results.
 
     Raises:
-        ValueError: With the reason.
+        ValueError: If the formula is rejected; the message gives the reason.
     """
     if _is_ours(formula) or (made_of := digest_of(formula)) in _checked:
         return
@@ -111,10 +111,10 @@ def check(
 
 
 def reason_of(error: Exception) -> str:
-    """The line of Numba's long complaint that says what is wrong.
+    """Return the line of Numba's long error message that states the problem.
 
     Args:
-        error: Of a compilation.
+        error: Error of a compilation.
     """
     lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()] or [type(error).__name__]
     telling = ("No implementation", "Unknown attribute", "missing a required", "too many", "Invalid use")
@@ -122,22 +122,22 @@ def reason_of(error: Exception) -> str:
 
 
 def rows_from(first: int, count: int) -> Callable[..., tuple[Any, ...]]:
-    """A kernel function of the rows S and where a record begins: `count` rows from its row `first` on, as a tuple."""
-    # Numba knows the length of a tuple that is spelled out only.
+    """Return a kernel function of the rows S and a record's start: a tuple of `count` rows from its row `first`."""
+    # Numba knows the length of a tuple only if it is written out.
     rows = "".join(f"rows[begin + {row}], " for row in range(first, first + count))
     return kernel(eval(f"lambda rows, begin=0: ({rows})"))
 
 
 PLACE = 4
-"""Numbers that a flow gets before its own: x, y, z, t."""
+"""Count of the arguments of a flow before its own numbers: x, y, z, t."""
 
 
 def summed(kinds: Sequence[Formula], count: int) -> Any:
-    """A kernel function of the rows S, where a flow's numbers begin, and x, y, z, t: the sum of all parts.
+    """Return a kernel function for the sum of all parts of a flow, given the rows S, its first row, and x, y, z, t.
 
     Args:
-        kinds: The formulas of the parts; for each, the rows hold how many parts there are, then the numbers of each.
-        count: How many numbers a formula returns.
+        kinds: Formulas of the parts; for each formula, the rows hold the number of parts, then the numbers of each.
+        count: Count of the numbers that a formula returns.
     """
 
     @kernel
@@ -157,7 +157,7 @@ def summed(kinds: Sequence[Formula], count: int) -> Any:
 
 
 def _after(before: Any, formula: Formula, count: int) -> Any:
-    """The same with the parts of one more kind."""
+    """Return the sum function `before` extended by the parts of one more kind."""
     part, size, first = in_rows(formula, None, PLACE), len(formula.fields), target().formulas[first_lane]
     numbers = rows_from(0, size)
     plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))

@@ -1,6 +1,6 @@
-"""sin, cos and tanh without branches, so that lanes stay in vector registers; one lane gains too.
+"""sin, cos and tanh without branches, so that lanes stay in vector registers; a single lane is faster too.
 
-Floats, complex steps and lanes go through the same source.
+Floats, complex steps and lanes use the same source.
 """
 
 # pyright: basic
@@ -17,16 +17,16 @@ from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import bit, power_of_two, where
 
-# Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
+# Adding it to a number below 2^51 rounds the number to an integer, which the last bits of the sum then hold.
 SHIFT = 6755399441055744.0
-# Polynomials of sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
+# Polynomials for sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
 SINE, COSINE = map(tuple, tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).values())
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 
 @inlined
 def polynomial(x, coefficients):
-    """Its value by Horner's rule."""
+    """Evaluate a polynomial by Horner's rule."""
     p = coefficients[0]
     for coefficient in coefficients[1:]:
         p = p * x + coefficient
@@ -35,7 +35,7 @@ def polynomial(x, coefficients):
 
 @inlined
 def sincos(x):
-    """sin and cos to 2e-16 for |x| < 1e5.
+    """Return sin and cos to 2e-16 for |x| < 1e5.
 
     Reduction by multiples of pi/2 in three parts (Cody and Waite), then polynomials.
     """
@@ -54,9 +54,9 @@ def sincos(x):
 
 @inlined
 def expm1(x):
-    """exp(x) - 1 for -700 < x < 700 (outside it stays as it is there), to 3e-16 of exp(x), or of x if that is small.
+    """Return exp(x) - 1, x clipped to -700 ... 700, to 3e-16 relative to exp(x), or to x if x is small.
 
-    Reduction by multiples of ln 2 in two parts, then the power series, whose next term is below 1e-17.
+    Reduction by multiples of ln 2 in two parts, then the power series, whose first omitted term is below 1e-17.
     """
     x = where(x.real < 700.0, x, 700.0 + 0.0 * x)
     x = where(x.real > -700.0, x, -700.0 + 0.0 * x)
@@ -69,7 +69,7 @@ def expm1(x):
 
 @inlined
 def tanh(x):
-    """tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
+    """Return tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
     negative = x.real < 0.0
     t = expm1(2.0 * where(negative, -x, x))
     h = t / (t + 2.0)
@@ -77,7 +77,7 @@ def tanh(x):
 
 
 def _for_lanes(function, of_lanes):
-    """What a NumPy function is when it is called with lanes; with plain numbers it stays as it is."""
+    """Define a NumPy function for lanes; with plain numbers it is unchanged."""
 
     @overload(function, jit_options=INLINED)
     def choose(x):

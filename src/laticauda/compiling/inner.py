@@ -1,10 +1,10 @@
-"""Functions that only kernels call: inlined into these, and nothing else is made of them.
+"""Functions that only kernels call: inlined into the kernels, without any code of their own.
 
-Numba makes every function ready to be called by itself: machine code, wrappers for calls from Python and from C, and
-all of it once more for each constant that somebody passes. Of what is inlined nobody needs any; without it a kernel
-compiles in five sixths of the time.
+Numba prepares every function to be called on its own: machine code, wrappers for calls from Python and from C, and all
+of these again for each constant that is passed. Inlined functions need none of this; without it a kernel compiles in
+five sixths of the time.
 
-A door to Numba's compiler, with `laticauda.compiling.lanes`.
+With `laticauda.compiling.lanes`, this is the interface to Numba's compiler.
 """
 
 # pyright: basic
@@ -18,16 +18,16 @@ from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
-# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
+# Of "fast math", only contraction to fused multiply-adds is enabled: it does not reorder operations.
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
-# Inlining lets the compiler see whole loops.
+# Inlining lets the compiler optimize whole loops.
 INLINED: Any = {"forceinline": True, **OPTIONS}
 
 
 class _Code(JITCodeLibrary):
-    """LLVM's code, optimized: of what calls it and holds it, machine code is made."""
+    """Optimized LLVM code without machine code, which is made only for the callers that inline it."""
 
-    # Python objects that machine code would find at an address.
+    # Python objects that machine code would look up at an address.
     codegen: Any = SimpleNamespace(set_env=lambda name, objects: None)
 
     def _finalize_final_module(self):
@@ -41,11 +41,11 @@ class _Compiler(Compiler):
 
 
 def inlined(function: FunctionType, **options: Any) -> Any:
-    """Decorator of a function that is compiled into whatever calls it, and not to be called from Python.
+    """Decorate a function that is compiled into its callers and cannot be called from Python.
 
     Args:
-        function: Of numbers, lanes and rows.
-        **options: Further ones of Numba's.
+        function: Function of numbers, lanes and rows.
+        **options: Further options of Numba.
     """
     wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     made: Any = njit(pipeline_class=_Compiler, **wrappers, **INLINED, **options)(function)
@@ -55,9 +55,9 @@ def inlined(function: FunctionType, **options: Any) -> Any:
 
 
 def is_inner(one: Any) -> bool:
-    """Whether it is what `inlined` returned.
+    """Return whether an object was returned by `inlined`.
 
     Args:
-        one: Anything.
+        one: Any object.
     """
     return isinstance(one, Dispatcher) and "no_cfunc_wrapper" in one.targetoptions

@@ -1,4 +1,4 @@
-"""Numba's types behind `lanes`: what a row of the kernels is, and how it lies in memory."""
+"""Numba types behind `lanes`: the rows of the kernels and their memory layout."""
 
 # pyright: basic
 
@@ -20,26 +20,26 @@ class Lanes(types.Type):
         super().__init__(f"Lanes({dtype}, {width})")
 
     def can_convert_from(self, typingctx, other):
-        """A plain number is the same in all lanes.
+        """Convert a plain number to lanes that all hold it.
 
         Args:
             typingctx: Numba's typing context.
-            other: The type of what is to become lanes.
+            other: Type to convert to lanes.
         """
         return Conversion.safe if isinstance(other, types.Float | types.Integer) else None
 
     def unify(self, typingctx, other):
-        """A variable that holds a plain number first and lanes later holds lanes.
+        """Make a variable that holds a plain number first and lanes later hold lanes.
 
         Args:
             typingctx: Numba's typing context.
-            other: The other type that the variable has.
+            other: Other type of the variable.
         """
         return self if isinstance(other, types.Float | types.Integer) else None
 
 
 class Duals(Lanes):
-    """One float and an imaginary part, its derivative times some step, per lane; comparisons look at the floats."""
+    """A float and an imaginary part, its derivative times a step, per lane; comparisons use the floats only."""
 
     def __init__(self, dtype, width):
         super().__init__(dtype, width)
@@ -47,11 +47,11 @@ class Duals(Lanes):
         self.name = f"Duals({dtype}, {width})"
 
     def can_convert_from(self, typingctx, other):
-        """What has no imaginary part is a number whose derivative is 0."""
+        """Convert numbers without an imaginary part to numbers whose derivative is 0."""
         return Conversion.safe if other == self.part else super().can_convert_from(typingctx, other)
 
     def unify(self, typingctx, other):
-        """As for lanes."""
+        """Unify as for `Lanes`."""
         return self if other == self.part else super().unify(typingctx, other)
 
 
@@ -63,11 +63,11 @@ class Mask(types.Type):
         super().__init__(f"Mask({width})")
 
     def can_convert_from(self, typingctx, other):
-        """A plain truth value is the same in all lanes."""
+        """Convert a plain truth value to a mask with that value in all lanes."""
         return Conversion.safe if other == types.boolean else None
 
     def unify(self, typingctx, other):
-        """As for lanes."""
+        """Unify as for `Lanes`."""
         return self if other == types.boolean else None
 
 
@@ -86,7 +86,7 @@ class Rows(types.Type):
 
 
 def vector(kind):
-    """The register that holds lanes of this kind."""
+    """Return the LLVM vector type of a register for lanes of this kind."""
     if isinstance(kind, Mask):
         return ir.VectorType(ir.IntType(1), kind.width)
     return ir.VectorType(ir.FloatType() if kind.dtype == types.float32 else ir.DoubleType(), kind.width)
@@ -115,9 +115,9 @@ class _RowsModel(models.PrimitiveModel):
 
 
 def rows_of(width):
-    """The compiled function that takes what is at an address, or in an array, as `Rows`.
+    """Return the compiled function that interprets the data at an address, or in an array, as `Rows`.
 
-    It is contiguous, the lanes of a row next to each other.
+    The data must be contiguous, with the lanes of a row next to each other.
 
     A row of several complex numbers holds all real parts, then all imaginary parts (see `split`).
     """
@@ -137,7 +137,7 @@ def rows_of(width):
 
 
 def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Real and imaginary parts, as views, of an array that the kernels take as rows of complex numbers."""
+    """Return views of the real and imaginary parts of an array that the kernels take as rows of complex numbers."""
     parts = flat.view(np.real(flat).dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
     return parts[..., 0, :], parts[..., 1, :]
 
@@ -170,7 +170,7 @@ def _getitem(context, builder, sig, args):
     if isinstance(rows.item, Duals):
         parts = [cgutils.gep_inbounds(builder, address, 0, k) for k in range(2)]
         return joined(context, builder, rows.item, [builder.load(part, align=8) for part in parts])
-    return builder.load(address, align=8)  # of the lane: arrays need not be aligned to whole rows
+    return builder.load(address, align=8)  # alignment of a lane: arrays need not be aligned to whole rows
 
 
 @lower_builtin(operator.setitem, Rows, types.Integer, types.Any)
@@ -191,7 +191,7 @@ def _setitem(context, builder, sig, args):
 
 
 def parted(context, builder, fromty, kind, value):
-    """Real and imaginary part of a complex number, or of anything that can become duals; None where there is none."""
+    """Return real and imaginary part (None if missing) of a complex number, or of anything convertible to duals."""
     if isinstance(fromty, types.Complex | Duals):
         pair = cgutils.create_struct_proxy(fromty)(context, builder, value=value)
         return pair.real, pair.imag
@@ -199,7 +199,7 @@ def parted(context, builder, fromty, kind, value):
 
 
 def joined(context, builder, kind, parts):
-    """Duals, or a complex number, of a real and an imaginary part, which may be None."""
+    """Return duals, or a complex number, made of a real and an imaginary part; the latter may be None."""
     pair = cgutils.create_struct_proxy(kind)(context, builder)
     pair.real = parts[0]
     pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]

@@ -1,13 +1,13 @@
-"""What ``S[row]`` is inside the kernels: one number per lane, and the physics reads as if there were one trial only.
+"""Values of ``S[row]`` in the kernels: one number per lane, so that the physics reads as if there were a single trial.
 
 With one lane it is a plain float or complex number. With more it is a vector of floats that the compiler keeps in a
-vector register: every statement of the kernels becomes one vector instruction, and nothing is left to a compiler's
-judgement whether a loop may be vectorized. Rows of complex numbers hold `Duals`, one number with its derivative per
-lane: a complex step so small that its square is nothing. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``,
-`np.sqrt` and `np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that
-branches cannot take lanes; `each_lane` calls it once per lane.
+vector register: every statement of the kernels becomes a vector instruction, independent of whether a compiler would
+vectorize a loop. Rows of complex numbers hold `Duals`, one number with its derivative per lane: a complex step whose
+square is negligible. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and `np.floor` work on such
+`Lanes`; a comparison gives a `Mask`, by which `where` selects. A function that branches cannot take lanes; `each_lane`
+calls it once per lane.
 
-The door to Numba's extension interface; nothing else in the package knows how lanes are made.
+This is the interface to Numba's extension API; no other module depends on how lanes are implemented.
 """
 
 # pyright: basic
@@ -47,7 +47,7 @@ def _splat(builder, vector, scalar):
 
 
 def _lanes_among(args):
-    """The lanes' type, if there are lanes among the types and all others are numbers; else None."""
+    """Return the type of the lanes if there are any among the types and all others are numbers; else None."""
     kinds = {a for a in args if isinstance(a, Lanes)}
     if any(isinstance(a, Duals) for a in kinds):
         kinds -= {a.part for a in kinds if isinstance(a, Duals)}
@@ -57,9 +57,9 @@ def _lanes_among(args):
 
 
 def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
-    """Teach the compiler a function of lanes, or of lanes and plain numbers; `emit(builder, kind, *vectors)`.
+    """Define a function of lanes, or of lanes and plain numbers, for the compiler; `emit(builder, kind, *vectors)`.
 
-    `dual(builder, emit, *parts)` does the same for duals; without it the function looks at the real parts only.
+    `dual(builder, emit, *parts)` does the same for duals; without it the function uses the real parts only.
     """
 
     def typed(*args):
@@ -85,7 +85,7 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
 
 
 def _elementwise(name):
-    """Emit a call to one of LLVM's own functions of floats or vectors of them."""
+    """Return a function that emits a call to an LLVM intrinsic for floats or vectors of floats."""
 
     def emit(builder, kind, *values):
         suffix = "f32" if getattr(kind, "dtype", kind) == types.float32 else "f64"
@@ -98,7 +98,7 @@ def _elementwise(name):
 
 
 def _truth(kind):
-    """What a comparison of lanes gives."""
+    """Return the result type of a comparison of lanes."""
     return Mask(kind.width) if kind.width > 1 else types.boolean
 
 
@@ -176,7 +176,7 @@ def _invert(context, builder, sig, args):
 
 @intrinsic
 def where(typingctx, condition, a, b):
-    """`a` in the lanes where the condition holds, else `b`; both have been computed."""
+    """Return `a` in the lanes where the condition holds, else `b`; both are computed."""
     kind = _lanes_among((a, b)) or typingctx.unify_types(a, b)
     if isinstance(condition, Mask) and not isinstance(kind, Lanes):
         kind = Lanes(kind, condition.width)
@@ -193,7 +193,7 @@ def where(typingctx, condition, a, b):
 
 @intrinsic
 def magnitude(typingctx, x):
-    """|x|; the sign of its real part decides about a complex number, whose imaginary part carries a derivative."""
+    """Return |x|; the sign of the real part decides for a complex number, whose imaginary part carries a derivative."""
 
     def codegen(context, builder, sig, args):
         if not isinstance(x, types.Complex | Duals):
@@ -205,7 +205,7 @@ def magnitude(typingctx, x):
 
 @intrinsic
 def any_lane(typingctx, condition):
-    """Whether a condition holds in one lane at least."""
+    """Return whether a condition holds in at least one lane."""
 
     def codegen(context, builder, sig, args):
         if not isinstance(condition, Mask):
@@ -219,7 +219,7 @@ def any_lane(typingctx, condition):
 
 @intrinsic
 def first_lane(typingctx, x):
-    """The number in the first lane, of floats that are the same in all."""
+    """Return the number in the first lane, for floats that are the same in all lanes."""
 
     def codegen(context, builder, sig, args):
         return _picked_lane(context, builder, x, args[0], 0)
@@ -229,7 +229,7 @@ def first_lane(typingctx, x):
 
 @intrinsic
 def table_row(typingctx, address, index, further):
-    """The four numbers of a row of a table at an address, in each of eight lanes its own, or of one number."""
+    """Return the four numbers of a row of a table at an address, for a plain number or each of eight lanes."""
     kind = _lanes_among((address, index)) or types.float64
     row = ir.VectorType(ir.DoubleType(), 4)
 
@@ -240,7 +240,7 @@ def table_row(typingctx, address, index, further):
         place = builder.fadd(start, builder.fmul(count, size))
         place = builder.fptosi(place, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
         rows = []
-        for lane in range(getattr(kind, "width", 1)):  # gathers of registers are slower than loads of rows
+        for lane in range(getattr(kind, "width", 1)):  # gather instructions are slower than loads of rows
             at = builder.inttoptr(_picked_lane(context, builder, kind, place, lane), row.as_pointer())
             rows.append(builder.load(builder.gep(at, [beyond]), align=8))
             rows[-1].set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -254,7 +254,7 @@ def table_row(typingctx, address, index, further):
 
 
 def _columns(builder, rows):
-    """Rows of four numbers, one for each of eight lanes, as four vectors of lanes."""
+    """Transpose rows of four numbers, one for each of eight lanes, to four vectors of lanes."""
 
     def picked(a, b, *order):
         return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order))
@@ -268,7 +268,7 @@ def _columns(builder, rows):
 
 @intrinsic
 def bit(typingctx, shifted, position):
-    """Whether a bit of the whole number in the last bits of a float is set (see `functions.SHIFT`)."""
+    """Return whether a bit of the integer in the last bits of a float is set (see `functions.SHIFT`)."""
 
     def codegen(context, builder, sig, args):
         bits = _bits(context, builder, shifted, args[0])
@@ -282,7 +282,7 @@ def bit(typingctx, shifted, position):
 
 @intrinsic
 def power_of_two(typingctx, shifted):
-    """2^(k - 1023) for the whole number k, 1 to 2046, in the last bits of a float, by moving it to the exponent."""
+    """Return 2^(k - 1023) for the integer k, 1 to 2046, in the last bits of a float, by moving it to the exponent."""
 
     def codegen(context, builder, sig, args):
         bits = _bits(context, builder, shifted, args[0])
@@ -298,7 +298,7 @@ def _bits(context, builder, kind, value):
 
 
 def _same(builder, kind, scalar):
-    """A scalar for one lane, or the same in all lanes."""
+    """Return a scalar for a single lane, or a vector with the scalar in all lanes."""
     return _splat(builder, ir.VectorType(scalar.type, kind.width), scalar) if isinstance(kind, Lanes) else scalar
 
 
@@ -320,7 +320,7 @@ def each_lane(typingctx, function, arguments):
         columns = [context.get_constant_undef(kind) for _ in results]
         for lane in range(kind.width):
             lane_values = [_picked_lane(context, builder, a, v, lane) for v, a in zip(values, arguments, strict=True)]
-            if len(inner.args) < len(lane_values):  # those of a function of *numbers are one tuple
+            if len(inner.args) < len(lane_values):  # arguments of a function of *numbers are one tuple
                 lane_values = [context.make_tuple(builder, inner.args[0], lane_values)]
             got = cgutils.unpack_tuple(builder, call(builder, lane_values))
             for j, (value, result) in enumerate(zip(got, results, strict=True)):
@@ -332,7 +332,7 @@ def each_lane(typingctx, function, arguments):
 
 
 def _alone(kind):
-    """What one lane of it is."""
+    """Return the type of a single lane."""
     if isinstance(kind, Duals):
         return Duals(kind.dtype, 1)
     return kind.dtype if isinstance(kind, Lanes) else kind

@@ -1,7 +1,7 @@
-"""Machine code that comes with the installation, so that the first run need not compile: made when a wheel is built.
+"""Machine code that comes with the installation, so that the first run need not compile; made when a wheel is built.
 
-It is code for a whole family of processors, filed under the name of its function, which ends in the digest of all that
-it is made of, and under the versions of Python and Numba; where any of them differs, Numba compiles as ever.
+The code is for a whole family of processors and is stored under the name of its function, which ends in the digest of
+everything that it is made of, and the versions of Python and Numba; if any of these differs, Numba compiles as usual.
 """
 
 import os
@@ -17,16 +17,16 @@ from llvmlite import binding
 from numba.core.caching import FunctionCache
 
 FOLDER = Path(__file__).parent / "ready"
-"""Where it is; there is none beside sources that nobody built a wheel of."""
+"""Folder of the code; it does not exist next to sources that no wheel was built from."""
 FEATURES = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2")
-"""What the processors have that it is made for: the family x86-64-v3, most since 2013."""
+"""Features of the processors that the code is made for: the family x86-64-v3, most processors since 2013."""
 
 
 class ReadyCache(FunctionCache):
-    """Numba's cache of one function, which also knows what came with the installation."""
+    """Numba's cache of one function, extended by the code that came with the installation."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """See Numba: the code for a signature, None if there is none."""
+        """Return the code for a signature, None if there is none; see Numba."""
         path, found = path_of(self._py_func), cast(Any, super()).load_overload(sig, target_context)
         if found is None and path.is_file() and is_of_family():
             signature, code = pickle.loads(path.read_bytes())
@@ -37,11 +37,11 @@ class ReadyCache(FunctionCache):
 
 
 def path_of(function: Any, folder: Path | None = None) -> Path:
-    """Where the code of a function is, if it is there.
+    """Return the path of a function's code, which need not exist.
 
     Args:
-        function: Whose name ends in its digest.
-        folder: Of the codes of all; None: of those that came with the installation.
+        function: Function whose name ends in its digest.
+        folder: Folder of the code of all functions; None: that of the installation.
     """
     versions = f"{sys.implementation.cache_tag}-{numba.__version__}-{sys.platform}"
     return (folder or FOLDER) / f"{function.__qualname__}-{versions}.code"
@@ -49,7 +49,7 @@ def path_of(function: Any, folder: Path | None = None) -> Path:
 
 @cache
 def is_of_family() -> bool:
-    """Whether this machine's processor is one of the family, and nobody asked for code for another one."""
+    """Return whether this machine's processor is of the family, and no code for another processor was requested."""
     if platform.machine() not in ("x86_64", "AMD64") or "NUMBA_CPU_NAME" in os.environ:
         return False
     there: Any = binding.get_host_cpu_features()
@@ -57,20 +57,20 @@ def is_of_family() -> bool:
 
 
 def is_ready(function: Any) -> bool:
-    """Whether code of a function came with the installation, for this processor.
+    """Return whether code of a function for this processor came with the installation.
 
     Args:
-        function: Whose name ends in its digest.
+        function: Function whose name ends in its digest.
     """
     return path_of(function).is_file() and is_of_family()
 
 
 def keep(compiled: Any, folder: Path) -> None:
-    """Write the code of a function that this process has compiled; `NUMBA_CPU_NAME` says for which processors.
+    """Write the code of a function that this process has compiled; `NUMBA_CPU_NAME` determines the processors.
 
     Args:
-        compiled: As Numba's decorator returned it, with one signature, compiled and not loaded.
-        folder: Where to.
+        compiled: Function as returned by Numba's decorator, with one signature, compiled and not loaded.
+        folder: Destination folder.
     """
     ((signature, result),) = compiled.overloads.items()
     code = compiled._cache._impl.reduce(result)

@@ -1,13 +1,13 @@
-"""Compiled code and what it is made of: templates, loaded once per specialization, and digests of sources.
+"""Compiled code and its sources: templates, loaded once per specialization, and digests of sources.
 
-Machine code on disk is filed under a digest of a module and of all that it imports, so an edited file, wherever it
-stands among the imports, has another name and compiles anew; no list of files has to be kept by hand.
+Machine code on disk is stored under a digest of a module and everything that it imports, so editing any of these files
+changes the name and triggers recompilation; no list of files has to be maintained by hand.
 
-Templates are the modules of a package that kernels are made of. Each reads what it is made for, and the templates
-before it, from its `bindings` while it is loaded, and is loaded once per combination of what it is made for: another
-drag law takes the drives as they are. A specialization's name carries a digest of all sources it is made of and of the
-laws' own code, so compiled code on disk is found again by the next process and is never stale: an edited law, or an
-edited kernel, has another name and compiles anew. The numbers of a law are rows, and not part of it.
+Templates are the modules of a package that kernels are made of. While it is loaded, each reads its specialization and
+the preceding templates from its `bindings`. It is loaded once per combination of the names that it depends on: another
+drag law reuses the drives. A specialization's name includes a digest of all its sources and of the laws' own code, so
+the next process finds the compiled code on disk again and the code is never stale: an edited law or kernel has another
+name and is recompiled. The numbers of a law are rows, and not part of the digest.
 """
 
 import ast
@@ -34,12 +34,12 @@ _one_at_a_time = threading.Lock()
 
 
 def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
-    """The files of the package that make up modules: their own, and those of all that they import, directly or not.
+    """Return the package's files that make up modules: their own and those of all direct and indirect imports.
 
-    What is imported for type checkers only does not count, nor do the ``__init__`` files on the way to a module.
+    Imports for type checkers only do not count, nor do the ``__init__`` files of a module's parent packages.
 
     Args:
-        modules: Their full names, as ``laticauda.planar.stepping``; templates of kernels too.
+        modules: Full module names, such as ``laticauda.planar.stepping``; may be kernel templates.
         package: Folder of the package.
     """
     found: set[Path] = set()
@@ -53,46 +53,46 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
 
 
 def digest_of(*modules: str, package: Path = PACKAGE) -> str:
-    """Digest of the text of the `closure` of modules, with the tables beside them, 16 hexadecimal digits.
+    """Return the digest of the text of the `closure` of modules and their tables, 16 hexadecimal digits.
 
     Args:
-        modules: Their full names.
+        modules: Full module names.
         package: Folder of the package.
     """
     digest = hashlib.sha256()
     for path in closure(*modules, package=package):
-        for part in (path, path.with_suffix(".toml")):  # a table beside a module is a part of it
+        for part in (path, path.with_suffix(".toml")):  # a table next to a module is part of it
             digest.update(part.read_bytes() if part.exists() else b"")
     return digest.hexdigest()[:16]
 
 
 sources_digest = functools.cache(digest_of)
-"""The same, computed once per process."""
+"""`digest_of`, computed once per process."""
 
 
 def named_after(digest: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Put a digest into the name under which Numba files the machine code of a function; it looks at nothing else.
+    """Add a digest to the name under which Numba stores a function's machine code; Numba looks at nothing else.
 
     Args:
-        digest: Of all that the function is made of.
-        function: To be compiled.
+        digest: Digest of everything that the function is made of.
+        function: Function to compile.
     """
     function.__qualname__ += f"_{digest}"
     return function
 
 
 def is_kept(compiled: Any) -> bool:
-    """Whether machine code of a function that Numba caches is at hand or on disk; if not, its first call compiles.
+    """Return whether the machine code of a cached function is in memory or on disk; if not, its first call compiles.
 
     Args:
-        compiled: As Numba's decorator returned it.
+        compiled: Function as returned by Numba's decorator.
     """
     kept = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
     return bool(compiled.signatures) or any(kept) or ready.is_ready(compiled.py_func)
 
 
 def _file(package: Path, way: list[str]) -> Path | None:
-    """The file of a module below the package; None if there is none of that name."""
+    """Return the file of a module in the package; None if there is none of that name."""
     inside = package.joinpath(*way)
     choices = (inside.with_suffix(".py"), inside / "__init__.py") if way else ()
     return next((path for path in choices if path.is_file()), None)
@@ -104,7 +104,7 @@ def _ways(package: Path, text: bytes) -> list[list[str]]:
 
 
 def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
-    """The modules of the package that a syntax tree imports, without the package's name."""
+    """Yield the modules of the package that a syntax tree imports, without the package's name."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
             continue
@@ -123,13 +123,13 @@ def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
 def specialized(
     package: str, made_for: Mapping[str, Sequence[str]], names: Mapping[str, Any], target: Target | None = None
 ) -> ModuleType:
-    """The last of a package's templates, compiled on first call.
+    """Return the last of a package's templates, compiled on first call.
 
     Args:
-        package: Its name, as ``laticauda.planar``.
-        made_for: Names that each template is made for; it may use those before it that are made for no more.
-        names: What they are: a number, a law's formula, or None.
-        target: What to compile for; None for this machine's processor.
+        package: Name of the package, such as ``laticauda.planar``.
+        made_for: Names that each template is specialized for; it may use earlier templates with no further names.
+        names: Values of the names: a number, a law's formula, or None.
+        target: What to compile for; None: this machine's processor.
     """
     target, digests = target or PROCESSOR, {name: _made_of(one) for name, one in names.items()}
     if (known := _specialized.get((package, str(digests), target))) is not None:
@@ -153,16 +153,16 @@ def specialized(
 
 
 def _made_of(one: object) -> object:
-    """What stands for a name's value in a digest."""
+    """Return what represents a name's value in a digest."""
     if isinstance(one, tuple):
         return [_made_of(part) for part in cast("tuple[object, ...]", one)]
     return formulas.digest_of(one) if isinstance(one, Formula) else one
 
 
 def _first_of(one: Any) -> Any:
-    """The first inner function that is the same as this one: what does not know how two specializations differ.
+    """Return the first inner function identical to this one, that is, not affected by how specializations differ.
 
-    So a kernel for another flow compiles what calls it, and takes the rest as it is.
+    A kernel for another flow therefore compiles only what calls the flow, and reuses the rest.
     """
     return _first_inner(one) if is_inner(one) else one
 
@@ -175,11 +175,11 @@ def _first_inner(inner: Any) -> Any:
         refers.append(cell.cell_contents)
     for name in filter(function.__globals__.__contains__, globals_of(function.__code__)):
         found = function.__globals__[name] = _first_of(function.__globals__[name])
-        is_template = isinstance(found, ModuleType) and found in _loaded.values()  # the function knows what it names
+        is_template = isinstance(found, ModuleType) and found in _loaded.values()  # only the names it uses count
         refers += [name, *(getattr(found, way, None) for way in function.__code__.co_names if is_template)]
         refers += [] if is_template else [found]
     key = function.__code__, *inner.targetoptions, *map(_identity, refers)
-    return _inner.setdefault(key, (inner, refers))[0]  # what it refers to stays, and with it the identities
+    return _inner.setdefault(key, (inner, refers))[0]  # keeps its references alive, and with them the identities
 
 
 def _identity(one: Any) -> object:
@@ -187,12 +187,12 @@ def _identity(one: Any) -> object:
 
 
 def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
-    """Load a template as a module of its own; one thread at a time.
+    """Load a template as a separate module; one thread at a time.
 
     Args:
-        file: Of the template.
-        key: Digest of all that it is made of, `names` included; the end of the module's name.
-        names: What it is specialized for: its `bindings`.
+        file: File of the template.
+        key: Digest of everything that it is made of, including `names`; the end of the module's name.
+        names: Specialization of the template: its `bindings`.
     """
     name = f"laticauda_{file.stem}_{key}"
     spec = importlib.util.spec_from_file_location(name, file)
@@ -202,13 +202,13 @@ def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
     _loading[name] = names
     sys.modules[name] = module
     spec.loader.exec_module(module)
-    # Machine code on disk names the modules of functions in it, and they must be there when it is loaded: in another
-    # process these may be those of another specialization.
+    # Machine code on disk names the modules of its functions, which must exist when it is loaded; in another process
+    # these may belong to another specialization.
     module.__name__ = __name__
     del _loading[name]
     return module
 
 
 def bindings(module_name: str) -> Mapping[str, Any]:
-    """What the template that is being loaded under this name is specialized for."""
+    """Return the specialization of the template that is being loaded under this name."""
     return _loading[module_name]

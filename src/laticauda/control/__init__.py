@@ -1,6 +1,6 @@
-"""Guidance, control and the paths to follow: from what is seen of a robot to the gait that it is asked for.
+"""Guidance, control and paths to follow: from the observation of a robot to its commanded gait.
 
-Knows no model and no hardware: the same controller steers the planar model and the robot in the tank.
+Independent of model and hardware: the same controller steers the planar model and the robot in the tank.
 """
 
 from laticauda.control.averaged import AveragedModel as AveragedModel

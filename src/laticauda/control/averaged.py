@@ -1,20 +1,20 @@
-"""The averaged model: how a swimming snake moves from gait cycle to gait cycle, in six states.
+"""Averaged model: the motion of a swimming snake from gait cycle to gait cycle, in six states.
 
     x' = u cos(psi) - w sin(psi)        psi' = r = turning(frequency, b)        heading = psi + bend b
     y' = u sin(psi) + w cos(psi)        b' = (offset - b) / bend_lag
     u' = (speed(frequency, offset) - u) / speed_lag                w' = (sway turning(frequency, offset) - w) / sway_lag
 
-A robot that bends turns its links at once, by `bend` per offset, and its direction of motion slowly: so psi is not the
-heading (6). The model knows neither links nor water. Its numbers come out of trials (`fit_averaged`), simulated or
-measured; it is for guidance to plan with, and no model of the body.
+When a robot bends, its links turn at once, by `bend` per offset, but its direction of motion turns slowly; psi is
+therefore not the heading (6). The model contains neither links nor water. Its parameters are fitted to simulated or
+measured trials (`fit_averaged`); it is meant for planning in guidance and is not a model of the body.
 
-What it needs to know and nobody measures, a filter around it tells (`laticauda.control.current`).
+What the model needs but is not measured is estimated by a filter built on it (`laticauda.control.current`).
 
-Out of trials it comes by least squares over whole gait cycles. What is compared are differences over one period,
-(q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the gait's ripple and exact, with nothing
-differentiated. All but four numbers enter linearly; those four, three time constants and an exponent, are each searched
-along a line with the others solved for. `OffsetSteps` is a maneuver that tells them: one gait, and offsets that are
-held one after the other.
+The model is fitted by least squares over whole gait cycles. The fit compares differences over one period,
+(q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the gait's ripple and exact, without numerical
+differentiation. All but four parameters enter linearly; those four, three time constants and an exponent, are each
+found by a line search with the others solved for. `OffsetSteps` is a maneuver that identifies them: one gait, with
+offsets held one after the other.
 """
 
 import math
@@ -35,7 +35,7 @@ State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 
 @value
 class AveragedModel:
-    """One gait with one robot, at any frequency and offset within what it was fitted to.
+    """One gait of one robot, at any frequency and offset within the range of the fit.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -64,19 +64,19 @@ class AveragedModel:
     power_exponent: float = quantity("", "k", gt=0.0)
     power_offset: float = quantity("W (s/rad)^k", "What it gains with that and the square of the offset")
 
-    # The arguments are numbers, arrays or CasADi's symbols: one text serves the fit, the observer and the plan.
+    # The arguments are numbers, arrays or CasADi symbols: the same code serves the fit, the observer and the plan.
 
     def turning(self, frequency: Any, offset: Any) -> Any:
-        """Turning rate that an offset comes to [rad/s]; `frequency` in rad/s, `offset` in rad, here and below.
+        """Return the steady turning rate at an offset [rad/s]; `frequency` in rad/s, `offset` in rad, here and below.
 
         Args:
-            frequency: Of the gait [rad/s].
-            offset: Of the joints [rad].
+            frequency: Frequency of the gait [rad/s].
+            offset: Offset of the joints [rad].
         """
         return (self.turn_0 + self.turn_1 * frequency) * offset
 
     def speed(self, frequency: Any, offset: Any) -> Any:
-        """Speed along the heading that a gait comes to, through the water [m/s].
+        """Return the steady speed of a gait along the heading, through the water [m/s].
 
         Args:
             frequency: omega [rad/s].
@@ -85,7 +85,7 @@ class AveragedModel:
         return self.speed_0 + frequency * (self.speed_1 + self.speed_offset * offset**2)
 
     def power(self, frequency: Any, offset: Any) -> Any:
-        """Mean power over a cycle [W].
+        """Return the mean power over a cycle [W].
 
         Args:
             frequency: omega [rad/s].
@@ -96,17 +96,17 @@ class AveragedModel:
     def after(
         self, state: State, frequency: Any, offset: Any, dt: float, sin: Any = math.sin, cos: Any = math.cos
     ) -> State:
-        """The state after a time in which one command was held, in still water.
+        """Return the state after holding one command for a time `dt`, in still water.
 
-        The lags and psi are exact; the way is an integral over three points of them (Simpson).
+        The lags and psi are exact; the displacement is integrated from them at three points (Simpson's rule).
 
         Args:
             state: x and y [m], psi and b [rad], u and w [m/s].
-            frequency: Of the gait [rad/s].
-            offset: Of all joints [rad].
-            dt: That time [s].
-            sin: The sine of whatever kind the arguments are.
-            cos: Their cosine.
+            frequency: Frequency of the gait [rad/s].
+            offset: Offset of all joints [rad].
+            dt: Duration of the command [s].
+            sin: Sine function for the type of the arguments.
+            cos: Cosine function for the type of the arguments.
         """
         x, y, psi, bent, speed, sway = state
         steady, aside = self.speed(frequency, offset), self.sway * self.turning(frequency, offset)
@@ -125,16 +125,16 @@ class AveragedModel:
         return x + dx, y + dy, angle, b, u, w
 
 
-# ---- out of trials ---------------------------------------------------------------------------------------------------
+# ---- fit to trials ---------------------------------------------------------------------------------------------------
 
 Array = np.ndarray
-LAGS = (0.05, 20.0)  # where a time constant is searched [s]
+LAGS = (0.05, 20.0)  # search range of the time constants [s]
 EXPONENTS = (1.0, 4.0)
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 class _Cycles:
-    """One trial, at the begin of every whole cycle in it, a tenth of a period apart."""
+    """Averages of one trial over whole cycles whose starts are a tenth of a period apart."""
 
     def __init__(self, trial: Trial) -> None:
         assert trial.gait is not None
@@ -148,16 +148,16 @@ class _Cycles:
         self.power = self.change(trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work)
 
     def change(self, values: Array) -> Array:
-        """Mean rate over each cycle of a signal at the samples, (q(t + T) - q(t)) / T."""
+        """Return the mean rate of a sampled signal over each cycle, (q(t + T) - q(t)) / T."""
         before, after = (np.interp(at, self.time, values) for at in (self.begin, self.begin + self.period))
         return (after - before) / self.period
 
     def mean(self, values: Array) -> Array:
-        """Mean over each cycle of a signal that is given at the samples, held until the next."""
+        """Return the mean over each cycle of a sampled signal that is held from sample to sample."""
         return self.change(np.append(0.0, np.cumsum(values[:-1] * np.diff(self.time))))
 
     def late(self, lag: float, power: int = 1) -> Array:
-        """What a first-order lag makes of the offset, or of a power of it, held from sample to sample; 0 at first."""
+        """Apply a first-order lag to the offset, or a power of it, held from sample to sample; initially 0."""
         late, now = np.empty_like(self.offset), 0.0
         keeps = np.exp(-np.diff(self.time, append=self.time[-1]) / lag)
         for k, (held, keep) in enumerate(zip(self.offset**power, keeps, strict=True)):
@@ -166,7 +166,7 @@ class _Cycles:
         return late
 
     def motion(self, bend: float, lag: float) -> tuple[Array, Array]:
-        """Mean velocity over each cycle, along psi and to its left [m/s]."""
+        """Return the mean velocity over each cycle, along psi and to its left [m/s]."""
         psi = self.heading - bend * self.mean(self.late(lag))
         (vx, vy), c, s = self.velocity, np.cos(psi), np.sin(psi)
         return vx * c + vy * s, vy * c - vx * s
@@ -175,17 +175,17 @@ class _Cycles:
 def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
     """Fit the averaged model to trials of one gait at several frequencies, with offsets that turn the robot.
 
-    A trial tells its offset by the signal ``offset``, as every steered run has it, or by its gait. `OffsetSteps` makes
-    trials that will do. A current is taken from the trial's water.
+    The offset of a trial is that of its gait plus its signal ``offset``, which every steered run has. `OffsetSteps`
+    produces suitable trials. A current is taken from the trial's water.
 
     Args:
-        trials: At least three frequencies, each held all along.
+        trials: Trials at three or more frequencies, each constant throughout its trial.
 
     Returns:
-        The model with the least sum of squares, of turning rate, speeds and power each on their own.
+        The model with the least sum of squares, minimized separately for turning rate, speeds and power.
 
     Raises:
-        ValueError: If the trials do not tell: too few frequencies, no turn, no whole cycle, another shape of gait.
+        ValueError: If the trials are insufficient: too few frequencies, no turn, too few cycles, unlike gait shapes.
     """
     _check(trials)
     cycles = [*map(_Cycles, trials)]
@@ -213,7 +213,7 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
 
     def power_basis(exponent: float) -> Array:
         square = every([part.mean(part.offset**2) for part in cycles])
-        # Bending takes work too, which a plan that limits the offset's rate can leave out: solved for, and let go.
+        # Bending also takes work, which a plan that limits the offset rate can neglect: fitted, then discarded.
         bending = every([part.mean((part.offset - part.late(bend_lag)) ** 2) for part in cycles])
         return np.stack([np.ones_like(f), f**exponent, f**exponent * square, bending], axis=1)
 
@@ -261,13 +261,13 @@ def _check(trials: Sequence[Trial]) -> None:
 
 
 def _offset(trial: Trial) -> Array:
-    """phi_0 at the samples [rad]."""
+    """Return phi_0 at the samples [rad]."""
     assert trial.gait is not None
     return trial.signals.get("offset", np.zeros_like(trial.time)) + trial.gait.offset
 
 
 def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, float]) -> tuple[float, list[float]]:
-    """The nonlinear number and the linear ones with the least sum of squares."""
+    """Find the nonlinear parameter and the linear ones that minimize the sum of squares."""
 
     def misfit(at: float) -> float:
         matrix = basis(math.exp(at))
@@ -276,20 +276,20 @@ def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, f
     grid = np.linspace(math.log(ends[0]), math.log(ends[1]), 25)
     best = int(np.argmin([misfit(float(at)) for at in grid]))
     low, high = float(grid[max(best - 1, 0)]), float(grid[min(best + 1, grid.size - 1)])
-    while high - low > 1e-5:  # the golden section
+    while high - low > 1e-5:  # golden-section search
         left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
         low, high = (low, right) if misfit(left) < misfit(right) else (left, high)
     found = math.exp(0.5 * (low + high))
     return found, [float(value) for value in np.linalg.lstsq(basis(found), data, rcond=None)[0]]
 
 
-# To both sides, small and large; ends without, so that the turn can be seen to end.
+# To both sides, small and large; the last one is zero, so that the end of the turn is visible.
 OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.0, 0.0))
 
 
 @value
 class OffsetSteps(Controller[int]):
-    """A controller that looks at nothing and steers by a list; the trial keeps the offset among its signals.
+    """Open-loop controller that steers by a list of offsets; the trial logs the offset among its signals.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -306,34 +306,34 @@ class OffsetSteps(Controller[int]):
 
     @property
     def duration(self) -> float:
-        """Of the whole list [s]."""
+        """Duration of the whole list [s]."""
         return self.interval * len(self.offsets)
 
     def init(self) -> int:
-        """How many offsets were asked for: none."""
+        """Return the number of offsets commanded so far: none."""
         return 0
 
     def step(self, state: int, observation: Observation) -> tuple[int, Command]:
-        """The next offset, whatever the `observation` is; `state` counts them.
+        """Command the next offset, regardless of the `observation`; `state` counts the offsets.
 
         Args:
-            state: How many offsets were commanded.
-            observation: Not looked at.
+            state: Number of offsets commanded so far.
+            observation: Ignored.
         """
         offset = self.offsets[min(state, len(self.offsets) - 1)]
         return state + 1, Command(gait=self.gait, offset=offset)
 
     def signals(self, state: int) -> Mapping[str, float]:
-        """The offset that is held in `state`, for the log.
+        """Return the offset held in `state`, for the log.
 
         Args:
-            state: How many offsets were commanded.
+            state: Number of offsets commanded so far.
         """
         return {"offset": self.offsets[min(state, len(self.offsets)) - 1]}
 
     def check(self, robot: Robot) -> None:
-        """Every `robot` will do: a joint beyond its limit ends the run.
+        """Accept every `robot`: a joint beyond its limit ends the run.
 
         Args:
-            robot: Any.
+            robot: Any robot.
         """

@@ -1,9 +1,9 @@
-"""What a robot can know of the current: an observer that compares where it gets to with where its gait takes it.
+"""Observer of the current: it compares the robot's actual motion with the motion expected from its gait.
 
-An extended Kalman filter around the averaged model tells what that needs to know and nobody measures: the direction of
-motion, the speed and the drift. The gait's ripple of the heading is a state of its own, an oscillation at the gait's
-frequency: so the mean heading comes without the half period that a mean over a cycle is late. Whatever moves the robot
-beside the model is the drift, and what a steady one learns is the current.
+An extended Kalman filter built on the averaged model estimates what the model needs but is not measured: the direction
+of motion, the speed and the drift. The gait's ripple in the heading is a separate state, an oscillation at the gait's
+frequency; the mean heading therefore lacks the half-period delay of a mean over one cycle. Any motion of the robot that
+the model does not explain is drift, and a steady drift is learned as the current.
 """
 
 import math
@@ -20,33 +20,33 @@ X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)
 N_MOTION = 6  # states of the averaged model, the first ones
 _N = 10
 _DRIFT = slice(DRIFT_X, DRIFT_Y + 1)
-# Spectral densities' square roots, of the same order for any snake that swims some cm/s with cycles of seconds.
+# Square roots of the spectral densities, of the same order for any snake that swims a few cm/s with cycles of seconds.
 _NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
 _START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
-_SEEN = np.array([0.05, 0.05, 0.03])  # the swing of the center of mass [m], what is left of the ripple [rad]
+_SEEN = np.array([0.05, 0.05, 0.03])  # swing of the center of mass [m], residual ripple [rad]
 _COMPLEX_STEP = 1e-30
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ObserverState:
-    """What is believed, and how firmly."""
+    """Estimate of the observer and its uncertainty."""
 
     time: float
-    """Of the last observation [s]."""
+    """Time of the last observation [s]."""
     mean: Array
     """x, y [m], psi, b [rad], u, w [m/s], drift x, y [m/s], ripple and its quadrature [rad]."""
     covariance: Array
-    """Of these."""
+    """Covariance of these states."""
 
     @property
     def drift(self) -> Array:
-        """Velocity with which it is carried, world axes [m/s]."""
+        """Drift velocity, world axes [m/s]."""
         return self.mean[_DRIFT]
 
 
 @value
 class CurrentObserver:
-    """The filter; its state is a value.
+    """Extended Kalman filter that estimates the current; its state is a value.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -61,10 +61,10 @@ class CurrentObserver:
     )
 
     def init(self, observation: Observation) -> ObserverState:
-        """What one `observation` tells: a place and about a heading, at rest, no drift.
+        """Return the state after one `observation`: a position and an approximate heading, at rest, without drift.
 
         Args:
-            observation: The first one.
+            observation: First observation.
         """
         mean = np.zeros(_N)
         mean[[X, Y]], mean[PSI] = observation.center_of_mass[:2], observation.heading
@@ -73,30 +73,30 @@ class CurrentObserver:
     def step(
         self, state: ObserverState | None, frequency: float, offset: float, observation: Observation
     ) -> ObserverState:
-        """Go on to the next observation.
+        """Advance to the next observation.
 
         Args:
-            state: As the last call returned it; None before the first.
-            frequency: Of the gait that was held since then [rad/s].
-            offset: Of the joints that was held since then [rad].
-            observation: Of now.
+            state: State returned by the last call; None before the first.
+            frequency: Frequency of the gait held since then [rad/s].
+            offset: Offset of the joints held since then [rad].
+            observation: Latest observation.
         """
         if state is None:
             return self.init(observation)
         dt = observation.time - state.time
         if dt <= 0.0:
             return state
-        steps = np.eye(_N) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, and no formula to keep in step
+        steps = np.eye(_N) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, no formula to maintain
         moved = self._after(state.mean[:, np.newaxis] + steps, frequency, offset, dt)
         slope, mean = np.imag(moved) / _COMPLEX_STEP, np.real(moved[:, 0])
         covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
         return _corrected(observation, mean, covariance, self.model.bend)
 
     def signals(self, state: ObserverState) -> dict[str, float]:
-        """The current where the robot is, as `state` has it, and its standard deviations along x and y, for a log.
+        """Return the current at the robot estimated in `state`, and its standard deviations along x and y, for a log.
 
         Args:
-            state: What is known now.
+            state: State of the observer.
         """
         ahead = np.array([math.cos(state.mean[PSI]), math.sin(state.mean[PSI])])
         covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(ahead, ahead)
@@ -120,22 +120,22 @@ def _corrected(observation: Observation, mean: Array, covariance: Array, bend: f
     spread = sees @ covariance @ sees.T + np.diag(_SEEN**2)
     gain = np.linalg.solve(spread, sees @ covariance).T
     left = np.eye(_N) - gain @ sees
-    kept = left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T  # this form stays symmetric and positive
+    kept = left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T  # Joseph form: stays symmetric and positive
     return ObserverState(time=observation.time, mean=mean + gain @ surprise, covariance=kept)
 
 
 def crab_angle(course: float, velocity: Array, speed: float, most: float) -> tuple[float, bool]:
-    """How far upstream of its course a robot has to point: asin of the current across over the speed.
+    """Return the angle by which a robot must point upstream of its course: asin of the cross current over the speed.
 
     Args:
-        course: Where it is to go over ground [rad].
-        velocity: Of the water, x and y, world axes [m/s].
-        speed: Of the robot through the water, positive [m/s].
-        most: Largest angle, at which a current that is too strong is met [rad].
+        course: Desired course over ground [rad].
+        velocity: Velocity of the water, x and y, world axes [m/s].
+        speed: Speed of the robot through the water, positive [m/s].
+        most: Largest angle, used if the current is too strong [rad].
 
     Returns:
-        The angle, positive to the right [rad], and whether the current is too strong: it would take a larger one, or
-        leaves no way forward.
+        The angle, positive to the right [rad], and whether the current is too strong: it would require a larger angle
+        or prevents forward motion.
     """
     c, s = math.cos(course), math.sin(course)
     along, across = (float(one) for one in velocity @ np.array([[c, -s], [s, c]]))

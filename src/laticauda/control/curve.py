@@ -1,9 +1,9 @@
-"""A smooth curve through points, measured by its own length. Nothing here knows about robots.
+"""Smooth curve through points, parameterized by its arc length; independent of robots.
 
-A natural cubic spline over centripetal knots (a step of the parameter is the square root of the chord). Unlike a
-Catmull-Rom curve it has a continuous curvature, which what follows it must not jump with; the centripetal knots keep it
-from overshooting between points at unequal distances; and its curvature is zero at both ends, so that it goes on as a
-straight line without a jump in it.
+The curve is a natural cubic spline over centripetal knots (a parameter step is the square root of the chord). Unlike a
+Catmull-Rom curve it has continuous curvature, so a robot that follows it need not jump; the centripetal knots prevent
+overshoot between points at unequal distances; and its curvature is zero at both ends, so that it continues as a
+straight line without a jump in curvature.
 """
 
 from dataclasses import dataclass
@@ -20,37 +20,37 @@ Nodes = Float[np.ndarray, " n_nodes"]
 Steps = Float[np.ndarray, " n_stretches"]
 Cubics = Float[np.ndarray, "4 n_stretches 2"]
 
-PIECES = 32  # of each stretch between two points: in one of them the curve has no room for two nearest points
+PIECES = 32  # per stretch between two points: one piece is too short for the curve to have two nearest points in it
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Curve:
-    """The curve as cubics of a parameter u, with its length at the ends of short pieces."""
+    """Curve given by cubics in a parameter u, with its length at the ends of short pieces."""
 
     knots: Knots
-    """u at the points that it goes through."""
+    """u at the points the curve passes through."""
     cubics: Cubics
-    """Coefficients of u - knot, lowest power first, of each stretch."""
+    """Coefficients in powers of u - knot for each stretch, lowest power first."""
     nodes: Nodes
     """u at the ends of the pieces."""
     corners: Float[np.ndarray, "n_nodes 2"]
-    """Points there [m]."""
+    """Points at the nodes [m]."""
     lengths: Nodes
-    """Length from the begin up to there [m]."""
+    """Length from the start to each node [m]."""
 
     def derivatives(self, u: Numbers) -> tuple[Vectors, Vectors, Vectors]:
-        """The points at `u`, and their first and second derivatives with respect to it."""
+        """Return the points at `u` and their first and second derivatives with respect to u."""
         return _derivatives(self.knots, self.cubics, u)
 
     def length(self, u: Numbers) -> Numbers:
-        """Length from the begin up to `u` [m]."""
-        # At the end that is the last node: nothing is added, not even rounding, and what lies beyond is told apart.
+        """Return the length from the start to `u` [m]."""
+        # At the end, i is the last node: nothing is added, not even rounding, so points beyond it are recognized.
         i = np.searchsorted(self.nodes, u, side="right") - 1
         return self.lengths[i] + _length(self.knots, self.cubics, self.nodes[i], u)
 
     def parameter(self, length: Numbers) -> Numbers:
-        """u at a `length` [m] between 0 and that of the whole curve: Newton's method from the table."""
+        """Return u at a `length` [m] between 0 and the whole length: Newton's method started from the table."""
         u = np.interp(length, self.lengths, self.nodes)
         for _ in range(4):
             speed = np.linalg.norm(self.derivatives(u)[1], axis=1)
@@ -58,12 +58,12 @@ class Curve:
         return u
 
     def nearest(self, position: Float[np.ndarray, " 2"], near: float | None) -> float:
-        """u of the point nearest to `position` [m].
+        """Return u of the curve point nearest to `position` [m].
 
         Args:
-            position: Anywhere in the plane.
-            near: Length [m] at which to start: then the nearest point is tracked downhill from there, and does not
-                jump to another part of the curve that happens to come closer. None searches everywhere.
+            position: Any point in the plane.
+            near: Length [m] at which to start: the nearest point is tracked downhill from there and does not jump to
+                another part of the curve that happens to be closer. None searches the whole curve.
         """
         distance = np.sum((self.corners - position) ** 2, axis=1)
         if near is None:
@@ -78,7 +78,7 @@ class Curve:
         return self._foot(position, low, float(self.nodes[i]), high)
 
     def _foot(self, position: Float[np.ndarray, " 2"], low: float, u: float, high: float) -> float:
-        """Where (r - p) . r' = 0 between `low` and `high`; an end of the curve if it is nearer than what is inside."""
+        """Find (r - p) . r' = 0 between `low` and `high`, or an end of the curve if that is nearer."""
         for _ in range(60):
             (r,), (first,), (second,) = self.derivatives(np.array([u]))
             slope = float((r - position) @ first)
@@ -92,13 +92,13 @@ class Curve:
 
 
 def natural_cubic(points: Vectors) -> Curve:
-    """The smooth curve through at least two points.
+    """Return the smooth curve through two or more points.
 
     Args:
-        points: In order, no two neighbors equal [m].
+        points: Points in order, no two neighbors equal [m].
 
     Raises:
-        ValueError: If the curve stops and turns back at a point, where it has no direction.
+        ValueError: If the curve stops and turns back at a point, where its direction is undefined.
     """
     step = np.sqrt(np.linalg.norm(np.diff(points, axis=0), axis=1))
     knots = np.concatenate(([0.0], np.cumsum(step)))
@@ -119,7 +119,7 @@ def natural_cubic(points: Vectors) -> Curve:
 
 
 def _cubics(points: Vectors, step: Steps) -> Cubics:
-    """Coefficients by the classical conditions: continuous second derivatives, zero ones at both ends."""
+    """Solve the classical conditions: continuous second derivatives, zero at both ends."""
     slope = np.diff(points, axis=0) / step[:, np.newaxis]
     n = len(points)
     matrix, right = np.eye(n), np.zeros((n, 2))
@@ -140,7 +140,7 @@ def _derivatives(knots: Knots, cubics: Cubics, u: Numbers) -> tuple[Vectors, Vec
 
 
 def _length(knots: Knots, cubics: Cubics, begin: Numbers, end: Numbers) -> Numbers:
-    """Length from `begin` to `end`, in one piece each: Gauss's quadrature of |r'|."""
+    """Return the length from `begin` to `end`, each within one piece, by Gauss quadrature of |r'|."""
     half = 0.5 * (end - begin)[:, np.newaxis]
     u = (0.5 * (begin + end)[:, np.newaxis] + half * _GAUSS).ravel()
     speed = np.linalg.norm(_derivatives(knots, cubics, u)[1], axis=1).reshape(-1, _GAUSS.size)

@@ -1,4 +1,4 @@
-"""Path following in numbers, as trial files and the command line have it: in plan, and in space if a depth is given."""
+"""Path-following parameters as in trial files and on the command line: in plan, and in space if a depth is given."""
 
 import math
 from typing import Any, Literal
@@ -11,15 +11,15 @@ from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.quantities import option, quantity, value
 
-LEVEL = 1.0  # of a profile before its first and behind its last depth, to say that it goes on level there [m]
+LEVEL = 1.0  # level stretch of a profile before its first and after its last depth [m]
 
 
 @value
 class Course:
-    """Where to go, apart from waypoints.
+    """Course to follow, apart from waypoints.
 
-    A circle's depths are those at its begin and after its turns; without any, depth is not steered. A path with a depth
-    needs pitch joints and the spatial model.
+    A circle's depths are those at its start and after its turns; without depths, depth is not steered. A path with a
+    depth needs pitch joints and the spatial model.
     """
 
     smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
@@ -36,10 +36,10 @@ class Course:
 
 @value
 class Following(Course):
-    """Path following in numbers, as trial files have it; the defaults are the paper's for Mamba.
+    """Parameters of path following, as in trial files; the defaults are the paper's for Mamba.
 
-    The integral gain is where published integral guidance starts from. With a `path_depth` the robot is steered in
-    depth too, by its pitch joints and integral guidance: a robot that is lighter than water holds its depth as well.
+    The integral gain is where published integral guidance starts. With a `path_depth` the robot is also steered in
+    depth, by its pitch joints and integral guidance, so that even a robot lighter than water holds its depth.
     """
 
     waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
@@ -59,14 +59,14 @@ class Following(Course):
     max_climb_offset: float = quantity("rad", "largest of them to either side", gt=0.0, default=math.radians(10.0))
 
     def __post_init__(self) -> None:
-        """Check the waypoints by the path, and the laws' own numbers by the laws."""
+        """Check the waypoints by building the path, and the parameters of the laws by building the laws."""
         if self.circle is not None and self.waypoints is not None:
             raise BadArgument("circle", f"must not be given with `waypoints`, got {self.circle}")
         self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
 
     @property
     def path(self) -> Path[Any]:
-        """Where to go, in plan."""
+        """Path in plan."""
         if self.circle is not None:
             return Circle(center=self.circle[:2], radius=self.circle[2], turns=self.circle[3])
         if self.waypoints is None:
@@ -75,7 +75,7 @@ class Following(Course):
 
     @property
     def profile(self) -> Path[Any] | None:
-        """The height along that; None: depth is not steered."""
+        """Height along the path; None if depth is not steered."""
         depths, along = self.path_depth, getattr(self.path, "lengths", (0.0,))
         if depths is None:
             return None
@@ -89,10 +89,10 @@ class Following(Course):
         return Polyline(waypoints=(ends[0], *points, ends[1]))
 
     def controller(self, gait: Gait) -> path_following.PathFollowing:
-        """The controller.
+        """Return the controller.
 
         Args:
-            gait: What swims along the path.
+            gait: Gait that swims along the path.
         """
         law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
         if self.guidance == "integral_line_of_sight":

@@ -1,4 +1,4 @@
-"""Where a robot is with respect to a path: the one answer that every path gives, and all that guidance sees of it."""
+"""Position of a robot relative to a path: what every path returns, and all that guidance sees of it."""
 
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
@@ -8,62 +8,62 @@ from jaxtyping import Float
 from laticauda.extensions import Extensible
 
 State = TypeVar("State")
-# The modules of the paths take these from here, and check their fields themselves: no hook of the tests does before.
+# The path modules import these from here, so that no import hook of the tests checks their fields before they do.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]
 Points: TypeAlias = Float[np.ndarray, "n_points 2"]
 
 
 class PathFrame(NamedTuple):
-    """A position seen from the path: from the nearest point of it, in axes along and across."""
+    """Position relative to the nearest point of the path, along and across the path."""
 
     along_track_distance: float
-    """Length of the path up to the nearest point; negative before its begin, beyond its length after its end [m]."""
+    """Path length up to the nearest point; negative before the start, beyond the path's length after its end [m]."""
     cross_track_error: float
     """Distance from the path, positive to the left of it (p_y of the paper) [m]."""
     path_tangential_angle: float
-    """Direction of the path there, to the world x axis, in [-pi, pi) [rad]."""
+    """Direction of the path at the nearest point, from the world x axis, in [-pi, pi) [rad]."""
     curvature: float
-    """Of the path there, positive where it turns left [1/m]."""
+    """Curvature of the path at the nearest point, positive where it turns left [1/m]."""
     remaining: float
-    """Length of the path ahead; 0 after its end, infinite for a line that has none [m]."""
+    """Length of the path ahead; 0 after its end, infinite for a line without end [m]."""
 
     @property
     def signals(self) -> dict[str, float]:
-        """What logs have of it."""
+        """Signals for the log."""
         names = "cross_track_error", "along_track_distance", "path_tangential_angle"
         return {name: float(getattr(self, name)) for name in names}
 
 
 class Path(Extensible, Generic[State], group="paths"):
-    """What a robot can follow. How far it has come is a value, like every state.
+    """Path that a robot can follow. The progress along it is a value, like every state.
 
-    One's own is a class below this one; as a value it is stored with its trials.
+    Custom paths subclass this class; as values they are stored with their trials.
     """
 
     def init(self) -> State:
-        """The progress before the first position is known."""
+        """Return the progress before the first position is known."""
         raise NotImplementedError
 
     def locate(self, progress: State, position: Position) -> tuple[State, PathFrame]:
-        """Find a position on the path.
+        """Locate a position relative to the path.
 
         Args:
-            progress: As the last call returned it, or `init`.
-            position: p [m], world axes; the first two count.
+            progress: Progress returned by the last call or by `init`.
+            position: p [m], world axes; only the first two components are used.
 
         Returns:
-            The progress now, and the position seen from the path.
+            The new progress, and the position relative to the path.
         """
         raise NotImplementedError
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the path, for a drawing or a test.
+        """Return points of the path, for plots and tests.
 
         Args:
-            along_track_distance: How far along [m].
+            along_track_distance: Distances along the path [m].
 
         Returns:
-            One row x, y per distance [m], world axes; beyond its ends the path goes straight on.
+            One row x, y per distance [m], world axes; beyond its ends the path continues straight.
         """
         raise NotImplementedError

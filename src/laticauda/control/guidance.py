@@ -1,7 +1,7 @@
-"""Guidance and heading: from the distance to the path to the heading that leads back, and to the offset that turns.
+"""Guidance and heading: from the distance to the path to the heading that leads back, and to the turning offset.
 
-Each law of guidance is `init` and `step` with an explicit state. The heading is in world axes, and the number that is
-nearest to the heading that the robot has, so that no law ever asks for a turn around the circle.
+Each guidance law consists of `init` and `step` with an explicit state. The reference heading is in world axes and
+within half a turn of the robot's heading, so that no law ever asks for a full turn.
 """
 
 import math
@@ -19,37 +19,37 @@ State = TypeVar("State")
 
 
 class Guidance(Extensible, Generic[State], group="guidance"):
-    """What turns a position beside the path into the heading to take; one's own is a class below this one."""
+    """Guidance law: turns a position relative to the path into a reference heading; custom laws subclass this class."""
 
     def init(self) -> State:
-        """The state at the start."""
+        """Return the initial state."""
         raise NotImplementedError
 
     def step(
         self, state: State, frame: PathFrame, heading: float, dt: float, is_saturated: bool
     ) -> tuple[State, float]:
-        """The heading to take.
+        """Return the reference heading.
 
         Args:
-            state: As the last call returned it, or `init`.
-            frame: The position seen from the path.
+            state: State returned by the last call or by `init`.
+            frame: Position relative to the path.
             heading: Theta of the robot [rad].
             dt: Time since the last call, 0 at the first [s].
             is_saturated: Whether the offset was at its limit during that time.
 
         Returns:
-            The state now, and theta_ref in world axes, within half a turn of `heading` [rad].
+            The new state, and theta_ref in world axes, within half a turn of `heading` [rad].
         """
         raise NotImplementedError
 
 
 @value
 class LineOfSight(Guidance[None]):
-    """Head for the point of the path that is the look-ahead distance ahead.
+    """Line-of-sight guidance: head for the point of the path one look-ahead distance ahead.
 
         theta_ref = path_tangential_angle - atan(cross_track_error / look_ahead_distance)
 
-    Equation (7) of the paper, for a path of any direction. A steady current across the path leaves a steady error.
+    Equation (7) of the paper, for a path in any direction. A steady current across the path leaves a steady error.
 
     Raises:
         ValueError: If the look-ahead distance is not positive.
@@ -66,14 +66,14 @@ class LineOfSight(Guidance[None]):
     look_ahead_distance: float = quantity("m", "Delta; smaller is steeper", gt=0.0)
 
     def init(self) -> None:
-        """No state."""
+        """Return None: the law has no state."""
 
     def step(self, state: None, frame: PathFrame, heading: float, dt: float, is_saturated: bool) -> tuple[None, float]:
-        """The heading to take [rad].
+        """Return the reference heading [rad].
 
         Args:
             state: None.
-            frame: The position seen from the path.
+            frame: Position relative to the path.
             heading: Theta of the robot [rad].
             dt: Time since the last call, 0 at the first [s].
             is_saturated: Whether the offset was at its limit during that time.
@@ -83,13 +83,13 @@ class LineOfSight(Guidance[None]):
 
 @value
 class IntegralLineOfSight(Guidance[float]):
-    """Line of sight that learns the drift: an integral of the error takes a steady current off.
+    """Line-of-sight guidance with integral action, which removes the error caused by a steady current.
 
         theta_ref = path_tangential_angle - atan((e + sigma y) / Delta)
         y' = Delta e / ((e + sigma y)^2 + Delta^2)
 
-    Far from the path y hardly grows, so it does not wind up on the way; and it does not grow at all while the offset is
-    at its limit, where asking for more changes nothing.
+    Far from the path y hardly grows, so it does not wind up during the approach; it does not grow at all while the
+    offset is at its limit, where a larger command has no effect.
 
     Raises:
         ValueError: If the look-ahead distance is not positive, or the gain is negative.
@@ -99,17 +99,17 @@ class IntegralLineOfSight(Guidance[float]):
     integral_gain: float = quantity("m/s", "sigma; 0 gives `LineOfSight`", ge=0.0)
 
     def init(self) -> float:
-        """The integral y, 0 [s]."""
+        """Return the initial integral y, 0 [s]."""
         return 0.0
 
     def step(
         self, state: float, frame: PathFrame, heading: float, dt: float, is_saturated: bool
     ) -> tuple[float, float]:
-        """The integral [s] and the heading to take [rad].
+        """Return the integral [s] and the reference heading [rad].
 
         Args:
-            state: The integral, as the last call returned it, or `init` [s].
-            frame: The position seen from the path.
+            state: Integral returned by the last call or by `init` [s].
+            frame: Position relative to the path.
             heading: Theta of the robot [rad].
             dt: Time since the last call, 0 at the first [s].
             is_saturated: Whether the offset was at its limit during that time.
@@ -122,23 +122,23 @@ class IntegralLineOfSight(Guidance[float]):
 
 
 def _aimed(frame: PathFrame, slope: float, heading: float) -> float:
-    """The direction that leads to the path with a slope, as a number within half a turn of `heading` [rad]."""
+    """Return the direction that approaches the path with a slope, within half a turn of `heading` [rad]."""
     return heading + wrap_to_pi(frame.path_tangential_angle - math.atan(slope) - heading)
 
 
-# ---- heading: what counts as that of a body that undulates, and the offset that turns it -----------------------------
+# ---- heading: its estimate for an undulating body, and the offset that turns it --------------------------------------
 
 ROUNDING = 1e-9
-"""Two control instants are never that close [s]."""
+"""Smaller than the time between any two control instants [s]."""
 
 
 @value
 class HeadingController:
-    """The offset of all joints that turns the robot towards a heading, in proportion to the error.
+    """Proportional heading controller: the offset of all joints that turns the robot toward a heading.
 
         phi_0 = k (theta_ref - theta), within +-max_offset
 
-    Equation (8) of the paper; the error is wrapped, so the robot turns the short way.
+    Equation (8) of the paper; the error is wrapped, so the robot takes the shorter turn.
 
     Raises:
         ValueError: If a field is not positive.
@@ -152,7 +152,7 @@ class HeadingController:
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
 
     def offset(self, *, heading_ref: float, heading: float) -> tuple[float, bool]:
-        """The offset to ask for.
+        """Return the offset to command.
 
         Args:
             heading_ref: theta_ref [rad].
@@ -168,15 +168,15 @@ class HeadingController:
 
 
 HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
-"""Headings of the last window, oldest first: time [s], heading [rad], its integral since the first of all [rad s]."""
+"""Headings in the window, oldest first: time [s], heading [rad], its integral since the very first [rad s]."""
 
 
 @value
 class HeadingEstimate:
-    """The heading as the mean over the time that just passed.
+    """Heading as the mean over the most recent time window.
 
-    The mean link angle (6) carries the ripple of the gait. A window of one gait period takes the ripple off, and lags
-    by half of it; a window of 0 gives (6) as it is. Until a whole window has passed, the mean is over what there is.
+    The mean link angle (6) contains the ripple of the gait. A window of one gait period removes the ripple and lags by
+    half a period; a window of 0 gives (6) unchanged. Until a whole window has passed, the mean covers the time so far.
 
     Raises:
         ValueError: If the window is negative.
@@ -185,21 +185,21 @@ class HeadingEstimate:
     window: float = quantity("s", "How far back the mean goes; the gait's period, 0 for no mean", ge=0.0, default=0.0)
 
     def init(self) -> HeadingWindow:
-        """Nothing seen yet."""
+        """Return an empty window."""
         return ()
 
     def step(self, state: HeadingWindow, time: float, heading: float) -> tuple[HeadingWindow, float]:
-        """Take in one more heading.
+        """Add one heading and return the mean.
 
-        The headings need not come at equal distances; between them the heading is taken as a straight line.
+        The headings need not be equally spaced in time; they are interpolated linearly.
 
         Args:
-            state: As the last call returned it, or `init`.
-            time: Of the heading, later than the last one [s].
+            state: Window returned by the last call or by `init`.
+            time: Time of the heading, later than the last one [s].
             heading: Theta, unwrapped [rad].
 
         Returns:
-            The window now, and the mean over it [rad].
+            The new window, and the mean over it [rad].
         """
         if self.window == 0.0 or not state:
             return ((time, heading, 0.0),), heading
@@ -207,29 +207,29 @@ class HeadingEstimate:
         if time - last <= ROUNDING:
             raise BadArgument("time", f"must grow from step to step, got {last} s and then {time} s")
         begin = max(time - self.window, state[0][0])
-        oldest = max(bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0)  # the last one not inside
+        oldest = max(bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0)  # last one not inside
         seen = (*state[oldest:], (time, heading, grown(state[-1], time, heading)))
         return seen, mean_over(seen, begin)
 
 
 def grown(last: tuple[float, float, float], time: float, heading: float) -> float:
-    """The integral of the heading one heading later [rad s].
+    """Return the integral of the heading, extended by one heading [rad s].
 
     Args:
-        last: Time, heading and integral before.
-        time: Now [s].
-        heading: Now [rad].
+        last: Previous time, heading and integral.
+        time: Current time [s].
+        heading: Current heading [rad].
     """
     begin, before, integral = last
     return integral + 0.5 * (time - begin) * (before + heading)
 
 
 def mean_over(window: HeadingWindow, begin: float) -> float:
-    """The mean heading from a time between the first two of a window to the last one [rad].
+    """Return the mean heading from a time between the first two headings of a window to the last one [rad].
 
     Args:
-        window: Two headings or more.
-        begin: That time [s].
+        window: Two or more headings.
+        begin: Time at which the mean starts [s].
     """
     (t, first, _), (end, second, _), (time, _, integral) = window[0], window[1], window[-1]
     there = first + (begin - t) / (end - t) * (second - first)

@@ -1,4 +1,4 @@
-"""Path following, the paper's Fig. 3: guidance gives a heading, the heading controller an offset of the gait."""
+"""Path following (Fig. 3 of the paper): guidance gives a heading, the heading controller an offset of the gait."""
 
 import math
 from collections.abc import Mapping
@@ -17,33 +17,34 @@ from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
-_SLOWEST = 0.5  # share of the gait's speed that a crab angle reckons with at least
+_SLOWEST = 0.5  # lower bound of the speed used for a crab angle, as a fraction of the gait's speed
 
 
 @dataclass(frozen=True, kw_only=True)
 class PathFollowingState:
-    """What path following remembers: the states of its parts, and its last signals."""
+    """State of path following: the states of its parts, and its last signals."""
 
     progress: Any
-    """How far along the path."""
+    """Progress along the path."""
     guidance: Any
-    """That of the guidance law."""
+    """State of the guidance law."""
     window: HeadingWindow
-    """That of the heading estimate."""
+    """State of the heading estimate."""
     time: float | None = None
-    """Of the last control instant; None before the first [s]."""
+    """Time of the last control instant; None before the first [s]."""
     observed: ObserverState | None = None
-    """That of the observer of the current; None without one, and before the first control instant."""
+    """State of the observer of the current; None without an observer, and before the first control instant."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Of the last control instant, for the log."""
+    """Signals of the last control instant, for the log."""
 
 
 @value
 class PathFollowing(Controller[PathFollowingState]):
-    """A controller that makes a robot follow a path with its gait.
+    """Controller that makes a robot follow a path with its gait.
 
-    At every control instant: where is the center of mass beside the path, which heading leads back to it, which offset
-    turns the robot there. The offset is held until the next one; the reference generator of the plant smooths it.
+    At every control instant, it locates the center of mass relative to the path and computes the heading that leads
+    back to the path and the offset that turns the robot to that heading. The offset is held until the next control
+    instant; the reference generator of the plant smooths it.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -82,20 +83,20 @@ class PathFollowing(Controller[PathFollowingState]):
 
     @cached_property
     def estimate(self) -> HeadingEstimate:
-        """The heading estimate."""
+        """Heading estimate."""
         is_raw = self.heading_estimate == "raw"
         return HeadingEstimate(window=0.0 if is_raw else 2.0 * math.pi / self.gait.frequency)
 
     def init(self) -> PathFollowingState:
-        """Before the first control instant."""
+        """Return the state before the first control instant."""
         return PathFollowingState(progress=self.path.init(), guidance=self.guidance.init(), window=self.estimate.init())
 
     def step(self, state: PathFollowingState, observation: Observation) -> tuple[PathFollowingState, Command]:
-        """One control instant: the `state` after the `observation`, and the command until the next one.
+        """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
-            state: What was kept of the last control instant, or `init`.
-            observation: What is seen of the robot now.
+            state: State returned by the last control instant or by `init`.
+            observation: Current observation of the robot.
         """
         dt = 0.0 if state.time is None else observation.time - state.time
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
@@ -127,22 +128,22 @@ class PathFollowing(Controller[PathFollowingState]):
     def _observed(
         self, state: PathFollowingState, observation: Observation, course: float
     ) -> tuple[ObserverState | None, dict[str, float]]:
-        """What is known of the current now, and how the robot points into it on its course."""
+        """Update the estimate of the current, and find how the robot points into the current on its course."""
         if self.observer is None:
             return None, {}
         frequency, held = self.gait.frequency, self.gait.offset + state.signals.get("offset", 0.0)
         seen = self.observer.step(state.observed, frequency, held, observation)
-        # At its own speed the filter's errors of speed and current make up for each other; at the start it has none.
+        # With the filter's own speed, its errors in speed and current cancel; at the start it has no speed.
         speed = max(float(seen.mean[SPEED]), _SLOWEST * self.observer.model.speed(frequency, 0.0))
         angle, is_limited = crab_angle(course, seen.drift, speed, self.max_crab_angle)
         crab = {"crab_angle": angle, "is_crab_limited": float(is_limited)}
         return seen, self.observer.signals(seen) | crab
 
     def check(self, robot: Robot) -> None:
-        """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
+        """Reject a robot whose joints cannot bend as far as gait and steering together may require.
 
         Args:
-            robot: What is to follow the path.
+            robot: Robot that is to follow the path.
 
         Raises:
             ValueError: If the largest offset could take a joint beyond its limit.
@@ -151,15 +152,15 @@ class PathFollowing(Controller[PathFollowingState]):
 
 
 def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
-    """Refuse an offset that could take a joint beyond its limit.
+    """Reject an offset that could take a joint beyond its limit.
 
     Args:
-        robot: What is to follow a path.
-        gait: What swims.
-        max_offset: What steering may add to either side [rad].
+        robot: Robot that is to follow a path.
+        gait: Gait that swims.
+        max_offset: Largest offset that steering may add to either side [rad].
 
     Raises:
-        ValueError: If it could.
+        ValueError: If a joint could go beyond its limit.
     """
     chain = robot.planar()
     for i, (joint, g) in enumerate(zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)):
@@ -172,9 +173,9 @@ def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
 
 
 # ---- in space: twice, once in plan and once in profile --------------------------------------------------------------
-# A path in space is a path in plan and a profile: a path in the plane of the distance along the first (to the right)
-# and the height (up). So every path, guidance law and heading law serves the vertical too: in profile, "left of the
-# path" is above it, and the heading is the climb, the mean pitch of the links with the opposite sign.
+# A path in space is a path in plan and a profile: a path in the plane of the distance along the former (to the right)
+# and the height (up). Every path, guidance law and heading law therefore also works vertically: in profile, "left of
+# the path" is above it, and the heading is the climb, the mean pitch of the links with the opposite sign.
 
 _SIGNALS = {
     "heading_ref": "climb_ref",
@@ -188,17 +189,17 @@ _SIGNALS = {
 
 @dataclass(frozen=True, kw_only=True)
 class SpatialPathFollowingState(PathFollowingState):
-    """What it remembers: the state of the path following in plan, and of the one in profile."""
+    """State of path following in space: the state in plan and the state in profile."""
 
     profile: PathFollowingState
-    """In profile."""
+    """State in profile."""
 
 
 @value
 class SpatialPathFollowing(PathFollowing):
-    """A controller that makes a robot with pitch joints follow a path in space.
+    """Controller that makes a robot with pitch joints follow a path in space.
 
-    In plan it is `PathFollowing`. In profile it is the same once more, with the offset of the pitch joints.
+    In plan it is `PathFollowing`; in profile it is a second `PathFollowing` that sets the offset of the pitch joints.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -229,18 +230,18 @@ class SpatialPathFollowing(PathFollowing):
         return PathFollowing(path=self.profile, guidance=self.climb_guidance, heading=self.climb, **own)
 
     def init(self) -> SpatialPathFollowingState:
-        """Before the first control instant."""
+        """Return the state before the first control instant."""
         return SpatialPathFollowingState(**vars(super().init()), profile=self._profile.init())
 
     def step(self, state: PathFollowingState, observation: Observation) -> tuple[SpatialPathFollowingState, Command]:
-        """One control instant: the `state` after the `observation`, and the command until the next one.
+        """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
-            state: What was kept of the last control instant, or `init`.
-            observation: What is seen of the robot now.
+            state: State returned by the last control instant or by `init`.
+            observation: Current observation of the robot.
 
         Raises:
-            ValueError: If the observation is of a planar model.
+            ValueError: If the observation comes from a planar model.
         """
         if observation.center_of_mass.size != 3:
             raise BadArgument(
@@ -262,10 +263,10 @@ class SpatialPathFollowing(PathFollowing):
         return state, replace(turn, pitch_offset=-rise.offset)
 
     def check(self, robot: Robot) -> None:
-        """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
+        """Reject a robot whose joints cannot bend as far as gait and steering together may require.
 
         Args:
-            robot: What is to follow the path.
+            robot: Robot that is to follow the path.
 
         Raises:
             ValueError: If there are no pitch joints, or the largest offset could take a joint beyond its limit.

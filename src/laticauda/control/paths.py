@@ -1,6 +1,6 @@
-"""Paths to follow: a straight line, legs between waypoints, a smooth curve through them.
+"""Paths to follow: a straight line, a circle, legs between waypoints, a smooth curve through them.
 
-Each is a `Path`: `init` and `locate`, with the progress along it as an explicit value.
+Each is a `Path` with `init` and `locate`, and with the progress along it as an explicit value.
 """
 
 import math
@@ -19,7 +19,7 @@ Waypoints = tuple[tuple[float, float], ...]
 
 @value
 class StraightLine(Path[None]):
-    """A line without begin and end.
+    """Straight line without start or end.
 
     Raises:
         ValueError: If a field is not a finite number.
@@ -34,33 +34,33 @@ class StraightLine(Path[None]):
     angle: float = quantity("rad", "Its direction to the world x axis, counter-clockwise", default=0.0)
 
     def init(self) -> None:
-        """A line knows no progress."""
+        """Return None: a line has no progress."""
 
     def locate(self, progress: None, position: Position) -> tuple[None, PathFrame]:
-        """Find a `position` [m]; there is no `progress`.
+        """Locate a `position` [m]; there is no `progress`.
 
         Args:
-            progress: None: a line needs no memory.
+            progress: None, because a line needs no memory.
             position: Center of mass, in world axes [m].
         """
         along, across = seen_from(self.point, self.angle, position)
         return None, _frame(along, across, self.angle, math.inf)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the line at each `along_track_distance` [m].
+        """Return the point of the line at each `along_track_distance` [m].
 
         Args:
-            along_track_distance: How far along the path, from its begin [m].
+            along_track_distance: Distances along the path from its start [m].
         """
         return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
 
 
 @value
 class Circle(Path[tuple[float, float] | None]):
-    """A circle, once or several times around. It begins where the robot is first seen, and does not end.
+    """Circle, followed once or several times. It starts where the robot is first seen, and does not end.
 
     Raises:
-        ValueError: If the radius is not positive, or there are no turns.
+        ValueError: If the radius is not positive, or the number of turns is 0.
     """
 
     center: tuple[float, float] = quantity("m", "Its middle; x and y in world axes")
@@ -68,24 +68,24 @@ class Circle(Path[tuple[float, float] | None]):
     turns: float = quantity("", "How many, positive to the left; negative: to the right", default=1.0)
 
     def __post_init__(self) -> None:
-        """Refuse what goes to neither side."""
+        """Reject zero turns."""
         if self.turns == 0.0:
             raise BadArgument("turns", "must not be 0")
 
     @property
     def lengths(self) -> tuple[float, float]:
-        """Length at its begin and after its turns [m]."""
+        """Length at the start and after all turns [m]."""
         return 0.0, 2.0 * math.pi * self.radius * abs(self.turns)
 
     def init(self) -> None:
-        """Not seen yet."""
+        """Return None: the robot has not been seen yet."""
 
     def locate(self, progress: tuple[float, float] | None, position: Position) -> tuple[tuple[float, float], PathFrame]:
-        """Find a `position` [m]; the `progress`: its direction from the middle, and the angle that is behind [rad].
+        """Locate a `position` [m]; the `progress` is its direction from the center and the angle covered [rad].
 
         Args:
-            progress: Direction from the middle to where it was seen last, and the angle that is behind [rad]; None: it
-                has not been seen.
+            progress: Direction from the center to the last position, and the angle covered so far [rad]; None if there
+                is no last position.
             position: Center of mass, in world axes [m].
         """
         side, (x, y) = math.copysign(1.0, self.turns), self.center
@@ -97,10 +97,10 @@ class Circle(Path[tuple[float, float] | None]):
         return (angle, swept), _frame(along, across, ahead, self.lengths[1], side / self.radius)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the circle at each `along_track_distance` [m], the first of them at its right.
+        """Return the point of the circle at each `along_track_distance` [m]; distance 0 is at its right.
 
         Args:
-            along_track_distance: How far along the path, from its begin [m].
+            along_track_distance: Distances along the circle from its rightmost point [m].
         """
         angle = math.copysign(1.0, self.turns) * along_track_distance / self.radius
         return np.array(self.center) + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
@@ -110,11 +110,11 @@ class Circle(Path[tuple[float, float] | None]):
 class Polyline(Path[int]):
     """Straight legs from waypoint to waypoint, followed one at a time.
 
-    The next leg begins when the robot comes within the acceptance distance of the leg's end, or passes it: a robot that
-    is carried past a waypoint does not turn back for it. After its end the last leg goes straight on.
+    The next leg starts when the robot comes within the acceptance distance of the leg's end or passes it, so a robot
+    carried past a waypoint does not turn back. The last leg continues straight beyond its end.
 
     Raises:
-        ValueError: If there are fewer than two waypoints, two equal ones in a row, or a number is not finite.
+        ValueError: If there are fewer than two waypoints or two equal ones in a row, or a number is not finite.
     """
 
     waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
@@ -132,18 +132,18 @@ class Polyline(Path[int]):
 
     @property
     def length(self) -> float:
-        """Of all legs [m]."""
+        """Total length of all legs [m]."""
         return self.lengths[-1]
 
     def init(self) -> int:
-        """On the first leg, 0."""
+        """Return the first leg, 0."""
         return 0
 
     def locate(self, progress: int, position: Position) -> tuple[int, PathFrame]:
-        """Find a `position` [m] on the leg that is followed, whose number is the `progress`.
+        """Locate a `position` [m] on the current leg, whose index is the `progress`.
 
         Args:
-            progress: Number of the leg that is followed, from 0.
+            progress: Index of the current leg, from 0.
             position: Center of mass, in world axes [m].
         """
         leg = progress
@@ -154,10 +154,10 @@ class Polyline(Path[int]):
         return leg, _frame(along + self.lengths[leg], across, angle, self.length)
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the legs at each `along_track_distance` [m].
+        """Return the point of the legs at each `along_track_distance` [m].
 
         Args:
-            along_track_distance: How far along the path, from its begin [m].
+            along_track_distance: Distances along the path from its start [m].
         """
         leg = np.clip(np.searchsorted(self.lengths, along_track_distance, side="right") - 1, 0, len(self.lengths) - 2)
         corner = np.array(self.waypoints)
@@ -165,10 +165,10 @@ class Polyline(Path[int]):
         return corner[leg] + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
 
     def angle(self, leg: int) -> float:
-        """Direction of a `leg`, counted from 0, to the world x axis [rad].
+        """Return the direction of a `leg`, counted from 0, from the world x axis [rad].
 
         Args:
-            leg: Which one, from 0.
+            leg: Index of the leg, from 0.
         """
         (x, y), (to_x, to_y) = self.waypoints[leg], self.waypoints[leg + 1]
         return math.atan2(to_y - y, to_x - x)
@@ -180,14 +180,14 @@ class Polyline(Path[int]):
 
 @value
 class Spline(Path[float | None]):
-    """A smooth curve through waypoints, known by its length; see `laticauda.control.curve`.
+    """Smooth curve through waypoints, parameterized by its length; see `laticauda.control.curve`.
 
-    The nearest point is searched everywhere at first and tracked from then on, so that a curve may cross itself. Before
-    its begin and after its end the curve goes straight on.
+    The nearest point is first searched along the whole curve and then tracked, so that a curve may cross itself. Before
+    its start and after its end the curve continues straight.
 
     Raises:
-        ValueError: If there are fewer than two waypoints, two equal ones in a row, a number is not finite, or the curve
-            turns back on the spot.
+        ValueError: If there are fewer than two waypoints or two equal ones in a row, a number is not finite, or the
+            curve turns back on the spot.
     """
 
     waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
@@ -195,7 +195,7 @@ class Spline(Path[float | None]):
     def __post_init__(self) -> None:
         """Check every field once."""
         _check_waypoints(self.waypoints)
-        _ = self._curve  # a curve that cannot be is refused now
+        _ = self._curve  # reject an impossible curve now
 
     @cached_property
     def _curve(self) -> Curve:
@@ -203,7 +203,7 @@ class Spline(Path[float | None]):
 
     @property
     def length(self) -> float:
-        """Of the whole curve [m]."""
+        """Length of the whole curve [m]."""
         return float(self._curve.lengths[-1])
 
     @cached_property
@@ -212,13 +212,13 @@ class Spline(Path[float | None]):
         return tuple(self._curve.length(self._curve.knots).tolist())
 
     def init(self) -> None:
-        """Nowhere yet: the first position is searched along the whole curve."""
+        """Return None: the first position is searched along the whole curve."""
 
     def locate(self, progress: float | None, position: Position) -> tuple[float | None, PathFrame]:
-        """Find a `position` [m]; the `progress` is the length up to the last nearest point [m].
+        """Locate a `position` [m]; the `progress` is the length up to the last nearest point [m].
 
         Args:
-            progress: Length up to the last nearest point [m]; None: it has not been seen.
+            progress: Length up to the last nearest point [m]; None if there is none yet.
             position: Center of mass, in world axes [m].
         """
         curve = self._curve
@@ -227,16 +227,16 @@ class Spline(Path[float | None]):
         length = float(curve.length(u)[0])
         angle = math.atan2(first[1], first[0])
         beyond, across = seen_from((float(r[0]), float(r[1])), angle, position)
-        # Inside, the nearest point is at a right angle, and what is left of `beyond` is rounding.
+        # Inside, the nearest point is at a right angle to the curve, and any remaining `beyond` is rounding.
         is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
         along = length + beyond if is_outside else length
         return length, _frame(along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second))
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Points of the curve at each `along_track_distance` [m].
+        """Return the point of the curve at each `along_track_distance` [m].
 
         Args:
-            along_track_distance: How far along the path, from its begin [m].
+            along_track_distance: Distances along the path from its start [m].
         """
         inside = np.clip(along_track_distance, 0.0, self.length)
         r, first, _ = self._curve.derivatives(self._curve.parameter(inside))
@@ -245,7 +245,7 @@ class Spline(Path[float | None]):
 
 
 def _frame(along: float, across: float, angle: float, length: float, curvature: float = 0.0) -> PathFrame:
-    """A position that is so far along a path of that length, and across it where it has that direction."""
+    """Return the frame of a position `along` a path of this length and `across` it, where its direction is `angle`."""
     return PathFrame(
         along_track_distance=along,
         cross_track_error=across,
@@ -260,12 +260,12 @@ def _unit(angle: float) -> tuple[float, float]:
 
 
 def seen_from(origin: tuple[float, float], angle: float, position: Position) -> tuple[float, float]:
-    """A position in axes at `origin`, turned by `angle`: along them, and across to the left [m].
+    """Transform a position to axes at `origin`, rotated by `angle`: along them, and across to the left [m].
 
     Args:
-        origin: Of the axes [m].
-        angle: Of the first to the world x axis [rad].
-        position: World axes [m].
+        origin: Origin of the axes [m].
+        angle: Angle of the first axis from the world x axis [rad].
+        position: Position in world axes [m].
     """
     c, s = _unit(angle)
     x, y = float(position[0]) - origin[0], float(position[1]) - origin[1]
@@ -273,7 +273,7 @@ def seen_from(origin: tuple[float, float], angle: float, position: Position) -> 
 
 
 def _curvature(first: Position, second: Position) -> float:
-    """(x' y'' - y' x'') / |r'|^3 [1/m]."""
+    """Return the curvature (x' y'' - y' x'') / |r'|^3 [1/m]."""
     turn = first[0] * second[1] - first[1] * second[0]
     return float(turn / math.hypot(first[0], first[1]) ** 3)
 

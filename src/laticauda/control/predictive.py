@@ -1,8 +1,8 @@
-"""Model-predictive path following: at every instant the best plan over the next seconds, of which the begin is done.
+"""Model-predictive path following: at every instant, plan the next seconds and carry out the start of the best plan.
 
-A plan is solved from the last one by CasADi and IPOPT. Multiple shooting: the states at the stages and the commands
-between them are the unknowns, the model's step ties them together. The problem is written once, for a structure that is
-fixed; numbers that change from one instant to the next are its parameters.
+A plan is solved by CasADi and IPOPT, starting from the last one. Multiple shooting: the states at the stages and the
+commands between them are the unknowns, tied together by the model's step. The problem is built once for a fixed
+structure; numbers that change from one instant to the next are its parameters.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -28,46 +28,46 @@ from laticauda.robot import Robot
 
 Array = np.ndarray
 _N_STATES, _N_COMMANDS = 6, 2
-# An offset that wanders costs nothing in the model and wear on the robot: a little keeps it quiet [1/rad^2].
+# In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it steady [1/rad^2].
 _OFFSET_CHANGE = 30.0
 _FREQUENCY_CHANGE = 0.3
 
 
 class Given(NamedTuple):
-    """What changes: all in axes at the robot, along the path there."""
+    """Parameters that change from plan to plan, all in axes at the robot, along the path there."""
 
     state: Array
-    """The six of the model."""
+    """The six states of the model."""
     drift: Array
-    """x, y [m/s]."""
+    """Drift x, y [m/s]."""
     command: Array
-    """The last one: frequency [rad/s] and offset [rad]."""
+    """Last command: frequency [rad/s] and offset [rad]."""
     path: Array
-    """For the end of every stage x, y [m] and direction [rad] of the path, one row each."""
+    """One row x, y [m] and direction [rad] of the path for the end of every stage."""
 
 
 class Plan(NamedTuple):
-    """What came out."""
+    """Result of the solver."""
 
     commands: Array
     """Frequency [rad/s] and offset [rad] of every stage."""
     states: Array
-    """Those of the model at the end of every stage."""
+    """States of the model at the end of every stage."""
     unknowns: Array
-    """All, to begin the next plan with."""
+    """All unknowns, the initial guess of the next plan."""
     is_solved: bool
-    """Whether the solver says so and the commands are numbers."""
+    """Whether the solver reports success and the commands are finite."""
     iterations: int
-    """How many it took."""
+    """Number of iterations."""
 
 
 def plan(problem: "ModelPredictive", given: Given, begin: Array | None) -> Plan:
-    """Solve one.
+    """Solve for one plan.
 
     Args:
-        problem: The structure, whatever its path: its solver is built once.
-        given: The numbers of this instant.
-        begin: The unknowns of the last plan; None at the start.
+        problem: Structure of the problem, independent of its path; its solver is built once.
+        given: Parameters at this instant.
+        begin: Unknowns of the last plan; None at the start.
 
     Raises:
         MissingExtra: If CasADi is not installed.
@@ -88,7 +88,7 @@ def plan(problem: "ModelPredictive", given: Given, begin: Array | None) -> Plan:
 
 @cache
 def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array]:
-    """IPOPT for the problem, with the limits of the unknowns and of the rules."""
+    """Build the IPOPT solver of the problem, with the bounds of the unknowns and constraints."""
     casadi = optional_import("Model-predictive control", "CasADi", "mpc", "casadi")
     n, model = len(problem.stages), problem.model
     states, commands = casadi.SX.sym("x", _N_STATES, n), casadi.SX.sym("u", _N_COMMANDS, n)
@@ -127,7 +127,7 @@ def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array
 
 
 def _cost(problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
-    """What a second of it costs. Far from the path the distance counts in proportion, not squared."""
+    """Return the cost per second. Far from the path, the distance counts linearly, not quadratically."""
     x, y, psi, _, u, w = (state[i] for i in range(_N_STATES))
     c, s = casadi.cos(psi - path[2]), casadi.sin(psi - path[2])
     cp, sp = casadi.cos(path[2]), casadi.sin(path[2])
@@ -142,29 +142,29 @@ def _cost(problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: A
 
 # ---- the controller --------------------------------------------------------------------------------------------------
 
-_LEAST_INTERVAL = 0.2  # a solver needs its time [s]
-_SLOWEST = 0.2  # share of the asked speed that a look at the path ahead reckons with at least
+_LEAST_INTERVAL = 0.2  # allows the solver enough time [s]
+_SLOWEST = 0.2  # lower bound of the speed used to look ahead along the path, as a fraction of the requested speed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PredictiveState:
-    """What the controller remembers, and its last signals."""
+    """State of the controller, and its last signals."""
 
     progress: Any
-    """How far along the path."""
+    """Progress along the path."""
     seen: ObserverState | None = None
-    """What is believed of the robot; None before the first instant."""
+    """Estimated state of the robot; None before the first instant."""
     unknowns: np.ndarray | None = None
-    """Of the last plan that was found; the next begins there."""
+    """Unknowns of the last plan found, the initial guess of the next."""
     command: tuple[float, float] = (0.0, 0.0)
     """Frequency [rad/s] and offset [rad] of the last command."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Of the last control instant, for the log."""
+    """Signals of the last control instant, for the log."""
 
 
 @value
 class PlanLimits:
-    """What a plan has to keep to, and what steers where there is none."""
+    """Limits of a plan, and the law that steers if there is no plan."""
 
     frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
     power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
@@ -176,12 +176,12 @@ class PlanLimits:
 
 @value
 class ModelPredictive(PlanLimits, Controller[PredictiveState]):
-    """A controller that plans offset and frequency with the averaged model, and so takes a current into account.
+    """Controller that plans offset and frequency with the averaged model, and thus takes a current into account.
 
-    The cost of a second is that of the distance from the path, of the course across it, of the speed along it and of
-    the power, each over its tolerance. The offset, its rate, the frequency and the mean power stay within their limits.
-    Where the solver finds no plan, line of sight steers on the way to the least frequency, within the limits of offset
-    and rates, and the signal ``is_fallback`` says so.
+    The cost per second is the sum of the costs of the distance from the path, the course across it, the speed along it
+    and the power, each relative to its tolerance. The offset, its rate, the frequency and the mean power stay within
+    their limits. If the solver finds no plan, line-of-sight guidance steers while the frequency goes to its least
+    value, within the limits of offset and rates, and the signal ``is_fallback`` is set.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -222,28 +222,28 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
 
     @property
     def stages(self) -> tuple[float, ...]:
-        """How long a plan holds each command [s]."""
+        """Durations for which a plan holds each command [s]."""
         return (self.interval, *(self.stage,) * self.horizon)
 
     @cached_property
     def _problem(self) -> "ModelPredictive":
-        """What does not change from plan to plan: all but the path, which may not be hashable."""
+        """Part that stays the same from plan to plan: all but the path, which may not be hashable."""
         return replace(self, path=paths.StraightLine())
 
     def init(self) -> PredictiveState:
-        """Before the first control instant."""
+        """Return the state before the first control instant."""
         return PredictiveState(progress=self.path.init(), command=(self.gait.frequency, 0.0))
 
     def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
-        """One control instant: the `state` after the `observation`, and the command until the next one.
+        """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
-            state: What was kept of the last control instant, or `init`.
-            observation: What is seen of the robot now.
+            state: State returned by the last control instant or by `init`.
+            observation: Current observation of the robot.
         """
         observer = CurrentObserver(model=self.model)
         seen = observer.step(state.seen, *state.command, observation)
-        # Planned with is where the filter has the robot: the center of mass swings across its course with the gait.
+        # The plan starts from the filter's position: the center of mass swings across its course with the gait.
         progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
         _, raw = self.path.locate(progress, observation.center_of_mass[:2])
         found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
@@ -256,7 +256,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
             unknowns=None if is_fallback else found.unknowns,
             command=(frequency, offset),
             signals={
-                # Mean heading that is asked for: the plan's after its first step, or that of line of sight.
+                # Desired mean heading: the plan's after its first step, or that of line-of-sight guidance.
                 "heading_ref": heading_ref,
                 "heading_used": self._heading(seen),
                 **raw.signals,
@@ -271,13 +271,13 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         return after, Command(gait=replace(self.gait, frequency=frequency), offset=offset)
 
     def _given(self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]) -> Given:
-        """The numbers of a plan, in axes at the robot along the path there: the same wherever the path is."""
+        """Return the parameters of a plan, in axes at the robot along the path, independent of where the path is."""
         chi = frame.path_tangential_angle
         drift, mean = _turned(seen.drift, -chi), seen.mean
         psi = wrap_to_pi(float(mean[PSI]) - chi)
         pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
         ahead = frame.along_track_distance + pace * np.cumsum(self.stages)
-        # Ends of a short piece around each point: where they are and where they go.
+        # Ends of a short piece around each point give its position and direction.
         piece = 0.01
         before, after = (self.path.points(ahead + sign * piece) for sign in (-1.0, 1.0))
         foot = self.path.points(np.array([frame.along_track_distance]))[0]
@@ -292,14 +292,14 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         )
 
     def _first(self, seen: ObserverState, frame: PathFrame, found: Plan) -> tuple[float, tuple[float, float]]:
-        """The heading at the end of the first whole stage, and the command until the next instant."""
+        """Return the heading at the end of the first whole stage, and the command until the next instant."""
         now, psi = self._heading(seen), float(seen.mean[PSI])
         ahead = float(found.states[1, PSI] + self.model.bend * found.states[1, BEND])
         turn = ahead - wrap_to_pi(psi - frame.path_tangential_angle) - (now - psi)
         return now + turn, (float(found.commands[0, 0]), float(found.commands[0, 1]))
 
     def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, tuple[float, float]]:
-        """The same, of the law that takes over."""
+        """Return the heading and command of the fallback law."""
         heading = float(seen.mean[PSI])
         law = guidance.LineOfSight(look_ahead_distance=self.look_ahead_distance)
         _, asked = law.step(None, frame, heading, 0.0, False)
@@ -307,21 +307,21 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         return asked, (self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0])
 
     def _heading(self, seen: ObserverState) -> float:
-        """The mean heading, without the ripple [rad]."""
+        """Return the mean heading, without the ripple [rad]."""
         return float(seen.mean[PSI] + self.model.bend * seen.mean[BEND])
 
     def _limited(self, wanted: tuple[float, float], last: tuple[float, float]) -> tuple[float, float]:
-        """Within the limits to the last digit, which a solver keeps to its tolerance only."""
+        """Clip a command exactly to its limits, which the solver meets only within its tolerance."""
         low, high = self.frequencies
         pace = self.frequency_rate * self.interval, self.offset_rate * self.interval
         f, offset = (min(max(w, b - p), b + p) for w, b, p in zip(wanted, last, pace, strict=True))
         return min(max(f, low), high), min(max(offset, -self.max_offset), self.max_offset)
 
     def check(self, robot: Robot) -> None:
-        """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
+        """Reject a robot whose joints cannot bend as far as gait and steering together may require.
 
         Args:
-            robot: What is to follow the path.
+            robot: Robot that is to follow the path.
 
         Raises:
             ValueError: If the largest offset could take a joint beyond its limit.
@@ -330,6 +330,6 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
 
 
 def _turned(points: np.ndarray, angle: float) -> np.ndarray:
-    """Points, or one, rotated by `angle` [rad]."""
+    """Rotate one or more points by `angle` [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return points @ np.array([[c, s], [-s, c]])

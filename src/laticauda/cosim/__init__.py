@@ -1,6 +1,6 @@
-"""Other tools drive our plants.
+"""Co-simulation: plants driven by other tools.
 
-A server that Octave, MATLAB and anything with sockets and JSON can talk to; FMUs and libraries in C, which run without
+A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries, which run without
 Python.
 """
 
@@ -21,5 +21,5 @@ __getattr__, __dir__, __all__ = lazy_exports("clients_folder")
 
 
 def clients_folder() -> Path:
-    """The folder with the clients of the server: `c`, `julia`, and `matlab`, which GNU Octave takes, too."""
+    """Return the folder with the server's clients: `c`, `julia`, and `matlab`, which also works in GNU Octave."""
     return Path(__file__).parent / "clients"

@@ -1,7 +1,7 @@
-"""What clients may have in memory, each and all together: their logs, the answers that they read, machine code.
+"""Memory limits per client and for all clients together: logs, answers being read, and machine code.
 
-Text takes a hundred bytes for a number while it is made, and a step several copies of its samples: whoever works on
-something large waits for the turn, so that there is one such thing at a time.
+Writing a number as text temporarily takes a hundred bytes, and a step needs several copies of its samples. Large
+operations therefore wait for a lock, so that only one runs at a time.
 """
 
 import threading
@@ -12,37 +12,37 @@ from laticauda.errors import BadArgument
 from laticauda.robot import Water
 from laticauda.scenarios import Scenario
 
-MOST_NUMBERS = 2_000_000  # in one answer: some 40 MB of text
-MOST_KINDS = 12  # of moving water that a server compiles
+MOST_NUMBERS = 2_000_000  # in one answer: about 40 MB of text
+MOST_KINDS = 12  # kinds of moving water that a server compiles
 LARGE = 100_000  # numbers, or bytes of a request
 
 
 @dataclass(frozen=True, kw_only=True)
 class Budget:
-    """What a client may have in memory, and whose turn it is to have more for a moment."""
+    """Memory limits of a client, and the lock for operations that temporarily need more."""
 
     logged: int = 24_000_000
-    """Numbers in its log, and in the samples of one request: 8 bytes each [-]."""
+    """Maximum number of values in the log, and in the samples of one request; 8 bytes each [-]."""
     answered: int = 6_400_000
-    """Numbers in the answer that it reads, and `MOST_NUMBERS` at most: some 20 bytes each [-]."""
+    """Maximum number of values in the answer being read, at most `MOST_NUMBERS`; about 20 bytes each [-]."""
     kinds: set[tuple[object, ...]] = field(default_factory=set[tuple[object, ...]])
-    """Of moving water with its laws, for which there is machine code: some 30 MB each, `MOST_KINDS` at most."""
+    """Kinds of moving water, with their laws, that have been compiled; about 30 MB each, at most `MOST_KINDS`."""
     turn: AbstractContextManager[object] = field(default_factory=threading.RLock)
-    """Held by whoever works on something large; one at a time does."""
+    """Lock held during a large operation, so that only one runs at a time."""
 
     def shared(self, clients: int) -> "Budget":
-        """The part of one of several clients, who take turns."""
+        """Return the share of one of several clients; they all share the lock."""
         answered = min(self.answered // clients, MOST_NUMBERS)
         return replace(self, logged=self.logged // clients, answered=answered)
 
     def check_kind(self, scenario: Scenario) -> None:
-        """Refuse a current whose machine code would be one too many.
+        """Reject a current whose machine code would exceed `MOST_KINDS`.
 
         Args:
-            scenario: Of the run.
+            scenario: Scenario of the run.
 
         Raises:
-            ValueError: If so.
+            ValueError: If the current is one kind too many.
         """
         water, model = scenario.environment, scenario.model
         if isinstance(water, Water) and water.flow:
@@ -53,9 +53,9 @@ class Budget:
             self.kinds.add(kind)
 
     def turn_for(self, size: int) -> AbstractContextManager[object]:
-        """Wait for the turn, if something is large.
+        """Return the lock for a large operation, or a null context for a small one.
 
         Args:
-            size: How many numbers it holds, or bytes of a request.
+            size: Number of values that the operation holds, or of bytes in a request.
         """
         return self.turn if size > LARGE else nullcontext()

@@ -1,4 +1,4 @@
-"""Messages of the co-simulation: lines of JSON, one object each, and the values that the fields of a request mean."""
+"""Co-simulation messages: one JSON object per line, and the conversion of request fields to values."""
 
 import json
 import math
@@ -13,21 +13,21 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, Current, Robot, Water, load_robot
 
 PROTOCOL_VERSION = 1
-"""Goes up when a message that was answered is answered otherwise; new fields do not count."""
+"""Increases when the answer to an accepted message changes; new fields do not count."""
 MESSAGE_BYTES = 1 << 20
-"""A request may be so long, its end of line included."""
+"""Maximum length of a request in bytes, including its line ending."""
 
 Message: TypeAlias = Mapping[str, Any]
 
 
 def read_message(line: bytes) -> dict[str, Any]:
-    """The request that a line holds.
+    """Parse the request in a line.
 
     Args:
-        line: Without its end.
+        line: The line, without its line ending.
 
     Raises:
-        ValueError: If it is no JSON object, or holds a number that JSON does not know.
+        ValueError: If the line is not a JSON object, or contains a number that is not finite.
     """
     try:
         found = json.loads(line.decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
@@ -43,7 +43,7 @@ def read_message(line: bytes) -> dict[str, Any]:
 
 
 def write_message(message: Message) -> bytes:
-    """An answer as one line, its end included."""
+    """Encode an answer as one line, including the line ending."""
     return json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
 
 
@@ -70,7 +70,7 @@ NAMES = tuple(scenarios.Choice.__dataclass_fields__)
 MODEL = ("joints", "dt", "ramp", "offset_bandwidth", "root")
 START = ("center_of_mass", "heading", "depth", "pitch", "roll")
 MADE_FROM = (*dict.fromkeys((*NAMES, *MODEL, *START)), "sample_interval", "coefficients", *HELD)
-"""Fields of a message that a world is made from."""
+"""Fields of a message from which a world is created."""
 COMMON = ("do", "id", "protocol", "token")
 REQUESTS: Mapping[str, tuple[str, ...]] = {
     "reset": MADE_FROM,
@@ -79,14 +79,14 @@ REQUESTS: Mapping[str, tuple[str, ...]] = {
     "get": ("series", "since"),
     "run": ("duration", "series", *MADE_FROM),
 }
-"""By what is to be done, the fields that a request has besides those of every one, `COMMON`."""
+"""Fields of each kind of request, in addition to those that all requests have, `COMMON`."""
 LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")
-"""Quantities of the last sample that stand beside the observation."""
+"""Quantities of the last sample that an answer contains in addition to the observation."""
 
 
 @value
 class Held:
-    """What a message says of place, command and current, the gait aside."""
+    """Position, command (except for the gait) and current in a message."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Where it starts", default=(0.0, 0.0))
     offset: float = quantity("rad", "Offset of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0)
@@ -99,23 +99,23 @@ class Held:
 
 
 def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> scenarios.Scenario:
-    """The world that a message asks for; fields that are left out have their defaults.
+    """Build the scenario that a message requests; omitted fields take their defaults.
 
-    Robots, waters and so on are named, and never read from a client's path.
+    Robots, waters and so on are given by name, and never read from a client's path.
 
     Args:
         message: The request.
-        own_robots: Those of the server, by name.
-        duration: Of the run, if it is to be one [s].
+        own_robots: The server's own robots, by name.
+        duration: Duration, if the request is a run [s].
 
     Raises:
-        BadKey: If a field is unknown or out of its range.
-        ValueError: If fields do not go together.
+        BadKey: If a field is unknown or out of range.
+        ValueError: If fields are incompatible.
     """
     command = read_command(message, interfaces.Command(gait=FIRST_GAIT))
     names, model = _given(message, NAMES), _given(message, MODEL)
     if isinstance(model.get("joints"), Mapping):
-        del names["joints"]  # a law with numbers, and no name
+        del names["joints"]  # an object with a law's parameters, not a name
     else:
         model.pop("joints", None)
     start, choice = _given(message, START), codec.decode(scenarios.Choice, names)
@@ -140,14 +140,14 @@ def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: f
 
 
 def commanded(scenario: scenarios.Scenario, message: Message) -> scenarios.Scenario:
-    """A world's scenario with another command or current.
+    """Return a world's scenario with another command or current.
 
     Args:
-        scenario: Whose motion is a command that is held.
-        message: With any of `HELD`.
+        scenario: Scenario whose motion is a held command.
+        message: Message with any of the fields in `HELD`.
 
     Raises:
-        BadKey: If a field is unknown or out of its range.
+        BadKey: If a field is unknown or out of range.
         ValueError: If the robot is on the ground, where there is no current.
     """
     motion, water = cast(interfaces.OpenLoop, scenario.motion), scenario.environment
@@ -161,17 +161,17 @@ def commanded(scenario: scenarios.Scenario, message: Message) -> scenarios.Scena
 
 
 def read_command(message: Message, held: interfaces.Command) -> interfaces.Command:
-    """The command that a message leaves: its fields replace what is held, what it leaves out stays.
+    """Return the held command, updated with the fields of a message; omitted fields keep their values.
 
     Args:
         message: The request.
-        held: The command until now.
+        held: The command in force until now.
 
     Raises:
-        BadKey: If a field is unknown or out of its range.
+        BadKey: If a field is unknown or out of range.
     """
     changes = _held(_given(message, ("offset", "pitch_offset")), "offset", "pitch_offset")
-    # Octave and MATLAB write arrays of one number as the number, and null as an empty array.
+    # Octave and MATLAB write an array of one number as a scalar, and null as an empty array.
     said = {name: message[name] for name in LISTS if name in message}
     lists = {
         name: None if one == [] else [one] if isinstance(one, bool | int | float) else one for name, one in said.items()
@@ -183,12 +183,12 @@ def read_command(message: Message, held: interfaces.Command) -> interfaces.Comma
 
 
 def _given(message: Message, names: Sequence[str]) -> dict[str, Any]:
-    """Those of the fields that say something."""
+    """Return the named fields that are present and not null."""
     return {name: message[name] for name in names if message.get(name) is not None}
 
 
 def _held(said: Message, *names: str) -> dict[str, Any]:
-    """These fields, as far as they are said, checked."""
+    """Return the named fields that are present, decoded and checked."""
     mine = {name: said[name] for name in names if name in said}
     if '"source":' in json.dumps(mine.get("current"), default=str):
         raise BadArgument("current", "must not name a file: the server reads none for its clients")

@@ -1,7 +1,7 @@
-"""The messages of the co-simulation as a JSON Schema, made of the classes whose fields they are.
+"""JSON Schema of the co-simulation messages, generated from the classes that declare their fields.
 
-It says what a message may hold, in type, unit and range. What goes with what only the server knows: it may refuse a
-message that keeps to the schema, and it answers none that does not.
+The schema gives the type, unit and range of each field, but not which fields are compatible: the server may reject a
+message that conforms to the schema, and rejects every message that does not.
 """
 
 import types
@@ -25,7 +25,7 @@ TEXT: Schema = {"type": "string"}
 NUMBERS: Schema = {"type": "array", "items": {"type": ["number", "null", "array"]}}
 PLAIN: Mapping[Any, str] = {bool: "boolean", int: "integer", str: "string", float: "number", type(None): "null"}
 DECLARED = (scenarios.Scenario, scenarios.Spatial, Start, messages.Held, scenarios.Choice)
-"""Classes whose fields stand in a message by themselves; of two of a name, the later one counts."""
+"""Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
 OWN: Mapping[str, Schema] = {
     "id": {},
     "protocol": {"const": messages.PROTOCOL_VERSION},
@@ -34,12 +34,12 @@ OWN: Mapping[str, Schema] = {
     "since": {"type": "number", "description": "Later samples only [s]"},
     "series": {"anyOf": [TEXT, {"type": "array", "items": TEXT}], "description": "Names of quantities"},
 }
-"""Fields of requests that are a field of no class."""
+"""Fields of requests that no class declares."""
 ABOUT = {"protocol": "integer", "version": "string", "robot": "string", "n_links": "integer", "n_joints": "integer"}
 
 
 def message_schema() -> Schema:
-    """The schema of all messages; below `$defs` that of the requests of every kind, and that of their answers."""
+    """Return the schema of all messages, with `$defs` for each kind of request and its answer."""
     found = {do: _request(do) for do in messages.REQUESTS} | {f"{do}_answer": one for do, one in _answers().items()}
     found["refusal"] = _object({"error": TEXT}, "error")
     title = f"Messages of laticauda serve, version {messages.PROTOCOL_VERSION}"
@@ -100,13 +100,13 @@ def _seen(hint: Any) -> Schema:
 
 
 def _part(kind: type) -> Schema:
-    """Some of the fields of a class, as a table that changes what is there has them; a gait says its `kind`, too."""
+    """Return the schema of a partial update: any fields of a class, and for a gait also its `kind`."""
     fields = _fields(kind) | {"kind": TEXT}
     return {"anyOf": [{"type": "object", "properties": fields, "additionalProperties": False}, NULL]}
 
 
 def _fields(kind: type) -> dict[str, Schema]:
-    """The fields of a class by name, angles in degrees by theirs, too."""
+    """Return the schemas of a class's fields by name, including the names of angles in degrees."""
     hints, texts, numbers = quantities.hints_of(kind), quantities.texts_of(kind), quantities.quantities_of(kind)
     found = {name: _field(hint, texts[name], numbers.get(name)) for name, hint in hints.items()}
     for name, plain in quantities.degrees_of(kind).items():
@@ -116,12 +116,12 @@ def _fields(kind: type) -> dict[str, Schema]:
 
 def _field(hint: Any, text: str, declared: Quantity | None) -> Schema:
     unit = f" [{declared.unit or '-'}]" if declared else ""
-    choices = {str(one): one for one in (*_choices(hint, declared), NULL)}  # null is as good as leaving it out
+    choices = {str(one): one for one in (*_choices(hint, declared), NULL)}  # null is equivalent to omitting the field
     return {"anyOf": list(choices.values()), "description": text + unit}
 
 
 def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
-    """What a value of this type may be in JSON."""
+    """Return the schemas that a value of this type may match in JSON."""
     base, inner = get_origin(hint) or hint, get_args(hint)
     if base in (types.UnionType, Union):
         return [one for kind in inner for one in _choices(kind, declared)]
@@ -139,6 +139,6 @@ def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
         return [{"type": PLAIN[base]}]
     if isinstance(base, type) and Extensible in base.__bases__:
         group: Any = base
-        kinds = {"kind": {"type": "string", "examples": list(group.names())}}  # others may add to them
+        kinds = {"kind": {"type": "string", "examples": list(group.names())}}  # extensions may add more
         return [TEXT, {"type": "object", "properties": kinds}]
     return [{"type": "object"}]

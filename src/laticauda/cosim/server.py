@@ -1,4 +1,4 @@
-"""The server: sockets around sessions, a thread for each client, and limits that keep one from harming the others."""
+"""Co-simulation server: sockets for sessions, a thread per client, and limits that protect clients from each other."""
 
 import socket
 import threading
@@ -16,26 +16,26 @@ from laticauda.robot import Robot
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
 PIECE = 1 << 16  # bytes read at a time
 SENDING = 30.0  # s that a client may take to read an answer
-IDLE = 600.0  # s that a client may say nothing
-GREETING = 10.0  # s until it has shown the token, where there is one
-DRAINING = 1.0  # s in which what was too long may still come in, so that the client gets to read why
+IDLE = 600.0  # s that a client may stay silent
+GREETING = 10.0  # s within which the client must send the token, if there is one
+DRAINING = 1.0  # s during which excess input is still received, so that the client can read the reason
 
 
 class ServerFailed(LaticaudaError, OSError):
-    """The server cannot begin: it says where, and why."""
+    """Raised if the server cannot start; the message gives the address and the reason."""
 
 
 class Server:
-    """Any number of worlds, each with its client, over TCP; see docs/cosim-protocol.md.
+    """TCP server for any number of worlds, one per client; see docs/cosim-protocol.md.
 
     Args:
-        host: Where it listens; the default is this computer alone. Beyond it, the first request must hold a token.
-        port: Its port; 0: any free one.
-        max_clients: Others are told to come later.
-        own_robots: Robots by name that clients may ask for besides the presets.
+        host: Address to listen on; the default is this computer only. For others, the first request must hold a token.
+        port: Port to listen on; 0: any free port.
+        max_clients: Maximum number of clients; further clients are told to try later.
+        own_robots: Robots, by name, that clients may request in addition to the presets.
 
     Raises:
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of range.
 
     Example:
         >>> with Server(port=0) as server:
@@ -54,7 +54,7 @@ class Server:
         if whole("port", port, 0) > 65535:
             raise BadArgument("port", f"must be between 0 and 65535, got {port}")
         self.host, self.port, self.door = host, port, Door.of(host)
-        """Whom it answers."""
+        """Access control for clients."""
         self.max_clients = whole("max_clients", max_clients, 1)
         self._own_robots, self._budget = dict(own_robots or {}), Budget().shared(max_clients)
         self._socket: socket.socket | None = None
@@ -63,10 +63,10 @@ class Server:
         self._thread: threading.Thread | None = None
 
     def open(self) -> None:
-        """Listen; `port` is the real one then.
+        """Start listening, and set `port` to the actual port.
 
         Raises:
-            ServerFailed: If it cannot.
+            ServerFailed: If the server cannot listen there.
         """
         try:
             family, _, _, _, address = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0]
@@ -76,7 +76,7 @@ class Server:
         self.port = int(self._socket.getsockname()[1])
 
     def run(self) -> None:
-        """Serve until `close`, or until Ctrl-C."""
+        """Serve clients until `close` is called or Ctrl-C is pressed."""
         listening = self._socket
         assert listening is not None, "open() first"
         while True:
@@ -85,12 +85,12 @@ class Server:
             except OSError:
                 if self._socket is None:
                     return
-                time.sleep(0.05)  # out of file descriptors, say; those who are connected go on
+                time.sleep(0.05)  # for example, out of file descriptors; connected clients continue
                 continue
             threading.Thread(target=self._serve, args=(wire,), daemon=True).start()
 
     def close(self) -> None:
-        """End all connections, and listen no more."""
+        """Close all connections and stop listening."""
         listening, self._socket = self._socket, None
         if listening is not None:
             _shut(listening)
@@ -102,31 +102,31 @@ class Server:
             self._thread.join(5.0)
 
     def __enter__(self) -> "Server":
-        """Listen, and serve in a thread of its own."""
+        """Start listening, and serve clients in a separate thread."""
         self.open()
         self._thread = threading.Thread(target=self.run, name="laticauda-server", daemon=True)
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """As `close`."""
+        """Call `close`."""
         self.close()
 
     def _serve(self, wire: socket.socket) -> None:
-        """One client from its first line to its last, whatever it does."""
+        """Serve one client from its first line to its last, whatever it does."""
         try:
             with self._lock:
                 welcome = len(self._clients) < self.max_clients
                 if welcome:
                     self._clients.add(wire)
             wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            wire.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)  # finds out who left without a word
+            wire.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)  # detects clients that left without closing
             if welcome:
                 self._talk(wire)
             else:
                 _dismiss(wire, f"The server has its {self.max_clients} clients; come back later.")
         except OSError:
-            pass  # it has gone
+            pass  # the client has disconnected
         finally:
             with self._lock:
                 self._clients.discard(wire)
@@ -153,8 +153,8 @@ class Server:
             _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
 
     def _why_not(self, line: bytes, *, is_known: bool) -> str:
-        """Why nothing is done for a line, and its client hung up on; "" if it is answered."""
-        if not line.startswith(b"{"):  # a web page, say, that speaks HTTP
+        """Return why a line is rejected and its client disconnected; "" if the line is accepted."""
+        if not line.startswith(b"{"):  # for example, a web page that speaks HTTP
             return "A message must be a JSON object; this one is not."
         if not is_known:
             with suppress(ValueError):
@@ -163,7 +163,7 @@ class Server:
 
 
 def _dismiss(wire: socket.socket, why: str) -> None:
-    """Say why, and let go; what still comes in is read for a moment, or the reason would not arrive."""
+    """Send the reason and disconnect; input is read briefly, because otherwise the reason would not arrive."""
     wire.settimeout(DRAINING)
     wire.sendall(write_message({"error": why}))
     wire.shutdown(socket.SHUT_WR)
@@ -174,6 +174,6 @@ def _dismiss(wire: socket.socket, why: str) -> None:
 
 def _shut(wire: socket.socket) -> None:
     """Close a socket that another thread may be waiting on."""
-    with suppress(OSError):  # the other end has done so
+    with suppress(OSError):  # the other end has already closed it
         wire.shutdown(socket.SHUT_RDWR)
     wire.close()

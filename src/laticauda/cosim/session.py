@@ -1,7 +1,7 @@
-"""One client: a line in, a line out, and the world that its lines are about. Knows nothing of sockets.
+"""Session of one client: one answer line per request line, and the client's world; independent of sockets.
 
-A world is a plant, its state, what is asked of it, and the log so far. Each change makes another world, so that a
-request that is refused changes nothing; only the log is written on.
+A world is a plant, its state, its command, and the log so far. Each change creates a new world, so that a rejected
+request changes nothing; only the log is extended in place.
 """
 
 import dataclasses
@@ -22,10 +22,10 @@ from laticauda.cosim.messages import Message
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive, within
 from laticauda.robot import Current, Robot, Water
 
-MOST_SAMPLES = 100_000  # of one request, and of a log
-MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core for the planar model
-PART = 0.3  # work for one part of a current, by that for a link
-LONGEST = 36_000.0  # s, of one request
+MOST_SAMPLES = 100_000  # per request, and in a log
+MOST_WORK = 20_000_000  # steps times links per request: seconds on one core for the planar model
+PART = 0.3  # work for one part of a current, relative to that for a link
+LONGEST = 36_000.0  # s, per request
 MOMENT = 1e-6  # s
 
 Series = dict[str, np.ndarray]
@@ -33,43 +33,43 @@ Series = dict[str, np.ndarray]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class World:
-    """Where a client's robot is, and what it was told."""
+    """State of a client's robot, and its command."""
 
     scenario: lc.Scenario
-    """What swims, where, by which model, and as its motion the command that is held."""
+    """Robot, environment and model, with the held command as the motion."""
     plant: lc.Plant[Any]
-    """The same as something that can be stepped."""
+    """Plant built from the scenario, which can be stepped."""
     state: Any
-    """The plant's."""
+    """State of the plant."""
     log: "History"
-    """Samples since it was made."""
+    """Samples since the world was created."""
     budget: Budget
-    """What it may have in memory."""
+    """Memory limits."""
     broken: str | None = None
-    """Why it can go no further."""
+    """Why the world cannot be stepped any further; None if it can."""
 
     @property
     def command(self) -> lc.Command:
-        """What is held."""
+        """Held command."""
         return cast(lc.OpenLoop, self.scenario.motion).command
 
 
 class History:
-    """Samples in pieces, the oldest thrown away where there are too many.
+    """Log of samples in pieces, of which the oldest are discarded if there are too many.
 
     Args:
-        most: How many numbers are kept [-].
+        most: Maximum number of values kept [-].
     """
 
     def __init__(self, most: int) -> None:
         self._most = most
         self.dropped = 0
-        """Samples that were thrown away [-]."""
+        """Number of discarded samples [-]."""
         self._parts: deque[Series] = deque()
         self._count = 0
 
     def add(self, part: series.Log) -> None:
-        """Keep `part`."""
+        """Append `part`, and discard the oldest pieces if necessary."""
         self._parts.append({name: np.array(values) for name, values in part.series().items()})
         self._count += part.time.size
         while self._count > self.capacity and len(self._parts) > 1:
@@ -79,28 +79,28 @@ class History:
 
     @property
     def width(self) -> int:
-        """Numbers in a sample [-]."""
+        """Number of values in a sample [-]."""
         return sum(values.size for values in self.last.values())
 
     @property
     def capacity(self) -> int:
-        """How many samples are kept [-]."""
+        """Maximum number of samples kept [-]."""
         return min(MOST_SAMPLES, self._most // self.width)
 
     @property
     def last(self) -> Series:
-        """The last sample of every quantity."""
+        """Last sample of every quantity."""
         return {name: values[-1] for name, values in self._parts[-1].items()}
 
     def series(self, names: Sequence[str], since: float) -> Series:
-        """The quantities of these names after a moment.
+        """Return the named quantities after a given time.
 
         Args:
-            names: Of the quantities, each one of a sample's (`Log`).
-            since: Later samples only [s].
+            names: Names of quantities of a sample (`Log`).
+            since: Time after which samples are returned [s].
 
         Raises:
-            ValueError: If there is no quantity of a name.
+            ValueError: If there is no quantity with one of the names.
         """
         parts = [part for part in self._parts if part["time"][-1] > since]
         found: Series = {}
@@ -112,14 +112,14 @@ class History:
 
 
 def new_world(scenario: lc.Scenario, budget: Budget) -> World:
-    """A world at time 0.
+    """Create a world at time 0.
 
     Args:
-        scenario: What it is made from; its motion is a command.
-        budget: What it may have in memory.
+        scenario: Scenario of the world; its motion is a command.
+        budget: Memory limits of the world.
 
     Raises:
-        ValueError: If robot, water and command do not fit together.
+        ValueError: If robot, water and command are incompatible.
     """
     budget.check_kind(scenario)
     body = simulate.plant(scenario)
@@ -130,16 +130,16 @@ def new_world(scenario: lc.Scenario, budget: Budget) -> World:
 
 
 def changed(world: World, message: Message, *, tried: bool = True) -> World:
-    """The world with another command or current; no time goes by.
+    """Return the world with another command or current, without advancing time.
 
     Args:
-        world: As it is.
-        message: With any of `messages.HELD`.
-        tried: Whether to find out at once if the plant takes the command; a step will find out by itself.
+        world: Current world.
+        message: Message with any of the fields in `messages.HELD`.
+        tried: Whether to check at once that the plant accepts the command; a step performs this check itself.
 
     Raises:
-        BadKey: If a field is out of its range; the world is as it was then.
-        ValueError: If the plant does not take the command.
+        BadKey: If a field is out of range; the world then stays unchanged.
+        ValueError: If the plant does not accept the command.
     """
     scenario, body, state = messages.commanded(world.scenario, message), world.plant, world.state
     if scenario.environment is not world.scenario.environment:
@@ -153,14 +153,14 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
 
 
 def stepped(world: World, duration: float) -> World:
-    """The world some time later.
+    """Return the world after a given duration.
 
     Args:
-        world: As it is.
-        duration: How much later [s].
+        world: Current world.
+        duration: Duration of the step [s].
 
     Raises:
-        ValueError: If the robot's motion diverged, now or earlier, or it would take too long.
+        ValueError: If the robot's motion diverged earlier, or if the step would take too long.
     """
     if world.broken is not None:
         raise ValueError(f"{world.broken} `reset` begins anew.")
@@ -174,15 +174,15 @@ def stepped(world: World, duration: float) -> World:
 
 
 def check_work(world: World, duration: float, sample_interval: float) -> int:
-    """How many numbers a step would log; refuse what would keep a core busy for minutes, or fill the memory.
+    """Return how many values a step would log; reject steps that would take minutes or fill the memory.
 
     Args:
-        world: What is to be stepped.
-        duration: How long [s].
-        sample_interval: Between two samples [s].
+        world: World to be stepped.
+        duration: Duration of the step [s].
+        sample_interval: Time between two samples [s].
 
     Raises:
-        ValueError: If so.
+        ValueError: If the step exceeds a limit.
     """
     within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
     plant = world.plant
@@ -199,7 +199,7 @@ def check_work(world: World, duration: float, sample_interval: float) -> int:
 
 
 def _try(world: World) -> series.Log:
-    """Refuse a command that the plant would refuse later, while nothing has changed yet; the sample of now."""
+    """Check that the plant accepts the command, before anything changes; return the current sample."""
     return world.plant.march(world.state, world.command, MOMENT, MOMENT)[1]
 
 
@@ -207,11 +207,11 @@ def _try(world: World) -> series.Log:
 
 
 class Session:
-    """What one client says and hears.
+    """Requests and answers of one client.
 
     Args:
-        own_robots: Robots by name that the server has besides the presets.
-        budget: What it may have in memory.
+        own_robots: Robots, by name, that the server offers in addition to the presets.
+        budget: Memory limits of the client.
     """
 
     def __init__(self, own_robots: Mapping[str, Robot] | None = None, budget: Budget | None = None) -> None:
@@ -220,10 +220,10 @@ class Session:
         self._requests = {do: getattr(self, f"_{do}") for do in messages.REQUESTS}
 
     def answer(self, line: bytes) -> bytes:
-        """The answer to a line, which is never an exception.
+        """Answer a request; errors are returned as answers, never raised.
 
         Args:
-            line: The request, without its end.
+            line: The request, without its line ending.
         """
         tag: dict[str, Any] = {}
         with self._budget.turn_for(len(line)):
@@ -234,7 +234,7 @@ class Session:
                 return self._written({**tag, **self._answer(message)})
             except (ValueError, LaticaudaError) as error:
                 return messages.write_message({**tag, "error": str(error)})
-            except Exception as error:  # one request that we cannot make sense of must not end the others
+            except Exception as error:  # one request that fails unexpectedly must not end the others
                 traceback.print_exc(file=sys.stderr)
                 return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
 

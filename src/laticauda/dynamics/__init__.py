@@ -1,1 +1,1 @@
-"""What both models do alike: the frame of their plants, and what their kernels know of joints and steps."""
+"""Common parts of both models: the base of their plants, and the joints and time steps of their kernels."""

@@ -1,4 +1,4 @@
-"""The frame of both models' plants: settings with nothing left open, a state that is one vector, marches and logs."""
+"""Base of the plants of both models: completed settings, a state that is one vector, marches and logs."""
 
 import math
 from abc import ABC, abstractmethod
@@ -23,79 +23,79 @@ Waves = tuple[WaveState, WaveState, WaveState]
 Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
 
 FORCES = ("drag", "added_mass", "effector")
-ELASTIC_DT = 0.005  # s, with a fin that bends
-MOST_SAMPLES = 2_000_000  # a log beyond them would take gigabytes
-# A wave of amplitude 1 that stands still at its crest: the joints' envelope is their reference.
+ELASTIC_DT = 0.005  # s, with a flexible fin
+MOST_SAMPLES = 2_000_000  # a longer log would take gigabytes
+# A wave of amplitude 1 that stands still at its crest, so that the joints' references equal their envelope.
 CREST, STILL = WaveState(0.5 * math.pi, 1.0, *(0.0,) * 7), WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlantState:
-    """Everything that a run needs to go on, as one vector; its model's `rows` say what stands where."""
+    """Everything that a run needs to continue, as one vector; its model's `rows` define the layout."""
 
     values: Float[np.ndarray, " n"]
 
 
 class Samples(NamedTuple):
-    """What the kernels logged, by what it means; the first axis is time."""
+    """Logged samples, by quantity; the first axis is time."""
 
     seen: dict[str, np.ndarray]
-    """What an `Observation` holds."""
+    """Fields of an `Observation`."""
     reference: np.ndarray
-    """What the joints followed [rad]."""
+    """References that the joints followed [rad]."""
     offset: np.ndarray
     """phi_0 of every joint, or one for all [rad]."""
     torque: np.ndarray
-    """Of the joints [N m]."""
+    """Joint torques [N m]."""
     work: np.ndarray
-    """Absolute, net, positive, electrical [J]."""
+    """Absolute, net, positive and electrical work [J]."""
     fin: tuple[np.ndarray, ...]
     """Angle, rate, reference and torque of the fin's joints."""
     signals: Mapping[str, np.ndarray]
-    """What else there is."""
+    """Further signals."""
     link_force: Mapping[str, np.ndarray] | None = None
-    """Forces on every link that are logged whether they are asked for or not [N]."""
+    """Forces on every link that are always logged, requested or not [N]."""
 
 
 class Stretch(NamedTuple):
-    """What a march left behind, not yet named: `Plant.log` makes a log of many at once."""
+    """Raw samples of one march; `Plant.log` makes a log of several stretches at once."""
 
     samples: np.ndarray
-    """As the kernels logged them; the first axis is time."""
+    """Samples as the kernels logged them; the first axis is time."""
     command: Command
-    """Held all the while."""
+    """Command, held throughout."""
     force: np.ndarray | None = None
-    """On every link, if asked for: component, time, link, axis [N]."""
+    """Force on every link, if requested: component, time, link, axis [N]."""
 
     def at(self, index: slice) -> "Stretch":
-        """Some of the samples."""
+        """Return the stretch with a slice of its samples."""
         return Stretch(self.samples[index], self.command, None if self.force is None else self.force[:, index])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plant(ABC, Generic[ModelType]):
-    """A robot in an environment, by a model. The same state and command always give the same next state.
+    """A model of a robot in an environment. The same state and command always give the same next state.
 
     Raises:
         ValueError: If robot and environment do not fit together.
     """
 
     robot: Robot
-    """What swims."""
+    """Robot to simulate."""
     environment: Environment
-    """The water it swims in or the ground it crawls on."""
+    """Water or ground that the robot moves in or on."""
     settings: ModelType
-    """How it is simulated; what is left open there is filled in."""
+    """Settings of the simulation; unspecified ones are filled in."""
 
     name: ClassVar[str]
-    """Of the model."""
+    """Name of the model."""
     usual_dt: ClassVar[float]
-    """Step of prescribed joints [s]."""
+    """Default time step with prescribed joints [s]."""
     generator: ClassVar[tuple[slice, ...]]
-    """The waves in a state vector that references from outside replace, that of a driven fin at last."""
+    """Waves in a state vector that external references replace; that of a driven fin comes last."""
 
     def __post_init__(self) -> None:
-        """Fill in what the settings leave open."""
+        """Fill in unspecified settings."""
         check_fits(self.robot, self.environment)
         settings = self.settings
         dt, ramp = settings.dt, settings.ramp
@@ -107,7 +107,7 @@ class Plant(ABC, Generic[ModelType]):
 
     @property
     def joints(self) -> JointLaw:
-        """How they follow their references."""
+        """Law by which the joints follow their references."""
         return self.settings.joints
 
     @property
@@ -122,43 +122,43 @@ class Plant(ABC, Generic[ModelType]):
 
     @cached_property
     def is_implicit(self) -> bool:
-        """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
+        """Whether any joint is free, which makes the steps linearly implicit (`laticauda.planar.stepping`)."""
         return not self.joints.prescribed or has_hinges(self.robot)
 
     def steps_in(self, interval: float) -> int:
-        """How many equal steps, none longer than `dt`, make up an `interval` [s] between two samples."""
+        """Return the number of equal steps, none longer than `dt`, in an `interval` [s] between two samples."""
         return max(1, math.ceil(interval / self.dt - 1e-9))
 
     @abstractmethod
     def init(self, start: Start, command: Command) -> PlantState:
-        """The state at time 0: straight at `start`, the generator at the gait of `command`, its offset still zero."""
+        """Return the state at time 0: straight at `start`, the generator at the gait of `command`, its offset zero."""
 
     @abstractmethod
     def observe(self, state: PlantState) -> Observation:
-        """What can be seen of `state`."""
+        """Return the observation of `state`."""
 
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
-        """The state that follows `state` by `dt` [s], while `command` is held."""
+        """Return the state `dt` [s] after `state`, while `command` is held."""
         return self.advance(state, command, dt, dt)[0]
 
     def march(
         self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
     ) -> tuple[PlantState, Log, str | None]:
-        """Many steps at once under one command.
+        """Run many steps under one command.
 
         Args:
-            state: Where it starts.
-            command: Held all the while.
-            duration: How long [s].
-            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
-            link_forces: Log the force on every link too.
+            state: Initial state.
+            command: Command, held throughout.
+            duration: Duration [s].
+            sample_interval: Time between two samples of the log [s]; adjusted so that it divides the duration.
+            link_forces: Whether to log the force on every link too.
 
         Returns:
-            The state after `duration` [s], the samples with both ends included, and a sentence that says what went
-            wrong, or None. A run that went wrong returns the samples up to then.
+            The state after `duration` [s], the samples including both ends, and a sentence that describes the failure,
+            or None. A failed run returns the samples up to the failure.
 
         Raises:
-            ValueError: If an argument is of another class, or out of its range.
+            ValueError: If an argument is of the wrong class or out of range.
         """
         instance("state", state, PlantState)
         instance("command", command, Command)
@@ -171,13 +171,13 @@ class Plant(ABC, Generic[ModelType]):
     def advance(
         self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
     ) -> tuple[PlantState, Stretch, str | None]:
-        """The same, with samples that have no names yet.
+        """Run many steps under one command as `march` does, but return raw samples.
 
         Args:
-            state: Where it starts.
-            command: Held all the while.
-            duration: How long [s].
-            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
+            state: Initial state.
+            command: Command, held throughout.
+            duration: Duration [s].
+            sample_interval: Time between two samples of the log [s]; adjusted so that it divides the duration.
             link_forces: Whether to keep the force on every link too.
         """
         n_intervals = max(1, round(duration / sample_interval))
@@ -186,20 +186,20 @@ class Plant(ABC, Generic[ModelType]):
         end, samples = self._run(state, command, n_intervals, every, dt)
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
-            if not len(samples):  # what the state calls for at once is out of range; the state itself is kept
+            if not len(samples):  # the first evaluation is already out of range; the state itself is kept
                 samples = self._sample_of(state, command)
             return state, Stretch(samples, command), self.what_went_wrong(when)
         force = self._link_forces(state, command, samples, every, dt) if link_forces else None
         return self._ended(state, command, end), Stretch(samples, command, force), None
 
     def _ended(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
-        """The state behind a march; waves that references replaced go on from where they were."""
+        """Return the state after a march; waves that references replaced continue from where they were."""
         for wave in self._held_waves(command):
             end[wave] = state.values[wave]
         return PlantState(values=end)
 
     def what_went_wrong(self, time: float) -> str:
-        """The sentence that a run ends with that diverged at `time` [s]."""
+        """Return the message of a run that diverged at `time` [s]."""
         limits = getattr(getattr(self.environment, "flow", None), "limits", "")
         return (
             f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
@@ -207,11 +207,11 @@ class Plant(ABC, Generic[ModelType]):
         )
 
     def pack(self, state: PlantState) -> dict[str, np.ndarray]:
-        """`state` as arrays that can be stored."""
+        """Return `state` as arrays that can be stored."""
         return {self.name: state.values}
 
     def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
-        """The state back from what `pack` gave as `stored`.
+        """Return the state from the arrays `stored` that `pack` returned.
 
         Raises:
             ValueError: If the arrays do not come from such a plant.
@@ -225,42 +225,42 @@ class Plant(ABC, Generic[ModelType]):
     @property
     @abstractmethod
     def _size(self) -> int:
-        """Of a state vector."""
+        """Size of a state vector."""
 
     @property
     def _words(self) -> str:
-        """What it is, for messages."""
+        """Description of the plant for messages."""
         return f"a {self.name} run of {self.robot.n_links} links"
 
     @abstractmethod
     def _stable_step(self) -> float:
-        """Step up to which all loads may be treated explicitly [s]."""
+        """Return the largest step with which all loads may be treated explicitly [s]."""
 
     @abstractmethod
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The state vector at the end, and the samples: fewer than n_intervals + 1 if the run diverged."""
+        """Return the state vector at the end, and the samples: fewer than n_intervals + 1 if the run diverged."""
 
     @abstractmethod
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
-        """The one sample of a state from which no step is possible, in finite numbers."""
+        """Return the single sample of a state from which no step is possible, in finite numbers."""
 
     @abstractmethod
     def _samples(self, samples: np.ndarray) -> Samples:
-        """Samples by what they mean."""
+        """Return the samples by quantity."""
 
     @abstractmethod
     def _link_forces(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
     ) -> np.ndarray:
-        """Force on every link at the samples of a march: component, time, link, axis."""
+        """Return the force on every link at the samples of a march: component, time, link, axis."""
 
     def log(self, stretches: Sequence[Stretch]) -> Log:
-        """The log of stretches of time.
+        """Return the log of consecutive stretches.
 
         Args:
-            stretches: They follow each other; each begins with the sample that the one before ended with.
+            stretches: Consecutive stretches; each begins with the last sample of the previous one.
         """
         samples, *more = [one.samples for one in stretches]
         counts = [len(samples), *(len(one) - 1 for one in more)]
@@ -287,19 +287,19 @@ class Plant(ABC, Generic[ModelType]):
         )
 
     def _commanded(self, done: np.ndarray, offset: np.ndarray) -> np.ndarray:
-        """The reference that the gait says; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        """Return the gait's reference; the kernels' reference is the share that prescribed joints do (`tracking`)."""
         share = np.array([joint.actuator.tracking for joint in self.robot.joints])
         if not self.joints.prescribed or np.all(share == 1.0):
             return done
         return offset + (done - offset) / share
 
     def _first_waves(self, command: Command) -> Waves:
-        """Where the waves of yaw joints, pitch joints and fin begin."""
+        """Return the initial states of the waves of yaw joints, pitch joints and fin."""
         yaw, pitch, fin = map(first_state, command.gait.targets())
         return yaw, pitch, fin
 
     def _targets(self, command: Command) -> Targets:
-        """What the three waves are to become; held references stand on waves that stand still."""
+        """Return the targets of the three waves; held references use waves that stand still."""
         check_waves(self.robot, command.gait)
         yaw, pitch, fin = command.gait.targets(command.offset, command.pitch_offset)
         if command.references is None:
@@ -307,35 +307,35 @@ class Plant(ABC, Generic[ModelType]):
         return STILL, STILL, STILL if self._holds_fin(command) else fin
 
     def _recorded(self, command: Command, shares: np.ndarray) -> np.ndarray | None:
-        """The knots of the recording that a command's gait has, if any, for joints that do a share of their angles."""
+        """Return the knots of the recording in a command's gait, if any, with angles scaled by the joints' shares."""
         if command.gait.recorded is None or command.references is not None:
             return None
         return command.gait.recorded.scaled(shares)
 
     def _holds_fin(self, command: Command) -> bool:
-        """Whether a command's references are for the driven fin, too."""
+        """Return whether a command's references include one for the driven fin."""
         return command.references is not None and len(command.references) > self.robot.n_joints
 
     def _held_waves(self, command: Command) -> tuple[slice, ...]:
-        """The waves in a state vector that a command's references replace."""
+        """Return the waves in a state vector that a command's references replace."""
         if command.references is None:
             return ()
         return self.generator if self._holds_fin(command) else self.generator[:-1]
 
     def _begun(self, state: PlantState, command: Command) -> np.ndarray:
-        """A copy of the state vector in which waves stand still at their crest, where references are held."""
+        """Return a copy of the state vector in which waves with held references stand still at their crest."""
         values = state.values.copy()
         for wave in self._held_waves(command):
             values[wave] = CREST[: wave.stop - wave.start]
         return values
 
     def _hold(self, joints: np.ndarray, command: Command) -> None:
-        """Put references from outside into the driven joints' numbers (`joint_table`), and switch motors off."""
+        """Write external references to the numbers of the driven joints (`joint_table`), and switch motors off."""
         command.check_held(self.robot, self.joints)
         if command.references is not None:
             joints[: len(command.references), 0] = command.references
         if command.enabled is not None:
-            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            # No gain, no stall torque and no current: only the friction of the servo's gear remains of both laws.
             off = np.flatnonzero(np.logical_not(command.enabled))
             joints[off, _DRIVE : _MOTOR + 1] = 0.0
             joints[off, _STALL_POWER] = 0.0
@@ -345,15 +345,15 @@ _, _, _, _DRIVE, _MOTOR, _STALL_POWER, _JOINT_ROWS = JOINT
 
 
 def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_numbers"]:
-    """What kernels know of every joint, see `laticauda.actuation.laws.JOINT`: the body's, then the fin's from its root.
+    """Return the kernels' numbers of every joint (`laticauda.actuation.laws.JOINT`): body, then fin from its root.
 
     Args:
-        robot: Whose joints they are; the passive hinges of its fin have stiffness and damping only.
-        law: How those that are driven follow their references.
+        robot: Robot with the joints; the passive hinges of its fin have stiffness and damping only.
+        law: Law by which the driven joints follow their references.
     """
     has_power = has_power_model(robot, law)
     known: dict[int, tuple[float, ...]] = {}
-    for joint in {id(joint): joint for joint in robot.driven_joints}.values():  # most joints are one and the same
+    for joint in {id(joint): joint for joint in robot.driven_joints}.values():  # most joints are the same object
         motor, power = joint.actuator, joint.actuator.stall_power if has_power else 0.0
         drive = (getattr(motor, name) for name in Drive._fields)
         known[id(joint)] = motor.tracking if law.prescribed else 1.0, joint.stiffness, joint.damping, *drive, power
@@ -364,23 +364,23 @@ def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_nu
 
 
 def has_hinges(robot: Robot) -> bool:
-    """Whether its fin bends.
+    """Return whether a robot has a flexible fin.
 
     Args:
-        robot: Whose.
+        robot: Robot to check.
     """
     return robot.caudal_fin is not None and robot.caudal_fin.n_hinges > 0
 
 
 def check_size(duration: float, sample_interval: float) -> None:
-    """Refuse a log that no memory holds.
+    """Reject a log that is too large for memory.
 
     Args:
-        duration: Of the run [s].
-        sample_interval: Between two samples [s].
+        duration: Duration of the run [s].
+        sample_interval: Time between two samples [s].
 
     Raises:
-        ValueError: If there would be more than `MOST_SAMPLES`.
+        ValueError: If there would be more than `MOST_SAMPLES` samples.
     """
     longest = MOST_SAMPLES * sample_interval
     if duration > longest:

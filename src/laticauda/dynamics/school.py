@@ -1,7 +1,7 @@
-"""A school: equal robots side by side, each told anew what to do whenever a control interval is over.
+"""A school: identical robots side by side, each of which receives a new command after every control interval.
 
-A robot may begin anew at any time, with a start and a current of its own, and one whose numbers leave all bounds harms
-no other one. Its numbers are those of the same robot alone (`Plant.step`), whatever its neighbors do.
+A robot may restart at any time, with its own start and current, and one that diverges does not affect the others. Its
+results are those of the same robot alone (`Plant.step`), whatever its neighbors do.
 """
 
 import os
@@ -22,64 +22,64 @@ from laticauda.robot import Current, Water
 
 Currents: TypeAlias = Sequence[Current]
 PlantType = TypeVar("PlantType", bound=Plant[Any])
-CLOSE = 1e-9  # [s]: two moments that are one
+CLOSE = 1e-9  # [s]: times that differ by less are equal
 TOLD = ("amplitude", "frequency", "phase_shift", "offset")
-"""What robots of a school are told."""
+"""Gait parameters that robots of a school are commanded."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """How all robots of a school move at one moment; world axes, one entry per robot."""
+    """Motion of all robots of a school at one instant; world axes, one entry per robot."""
 
     time: Float[np.ndarray, " n"]
-    """Since its start [s]."""
+    """Time since the robot's start [s]."""
     x: Float[np.ndarray, " n"]
-    """Of the center of mass [m]."""
+    """x of the center of mass [m]."""
     y: Float[np.ndarray, " n"]
-    """The same [m]."""
+    """y of the center of mass [m]."""
     velocity_x: Float[np.ndarray, " n"]
-    """Of the center of mass, over ground [m/s]."""
+    """Velocity of the center of mass along x, over ground [m/s]."""
     velocity_y: Float[np.ndarray, " n"]
-    """The same [m/s]."""
+    """Velocity of the center of mass along y, over ground [m/s]."""
     heading: Float[np.ndarray, " n"]
     """Mean link angle (6), unwrapped, with the gait's ripple [rad]."""
     heading_rate: Float[np.ndarray, " n"]
-    """[rad/s]."""
+    """Rate of the heading [rad/s]."""
     phase: Float[np.ndarray, " n"]
-    """Of the gait at the tail-most joint, unwrapped [rad]."""
+    """Phase of the gait at the tail-most joint, unwrapped [rad]."""
     amplitude: Float[np.ndarray, " n"]
-    """alpha as the reference generator has it by now, without the smooth start [rad]."""
+    """Current alpha of the reference generator, without the smooth start [rad]."""
     frequency: Float[np.ndarray, " n"]
-    """omega, the same [rad/s]."""
+    """Current omega of the reference generator [rad/s]."""
     phase_shift: Float[np.ndarray, " n"]
-    """delta, the same [rad]."""
+    """Current delta of the reference generator [rad]."""
     offset: Float[np.ndarray, " n"]
-    """phi_0, the same [rad]."""
+    """Current phi_0 of the reference generator [rad]."""
     work: Float[np.ndarray, " n"]
-    """What `mean_power` counts, since its start: electrical where the robot has a power model, else mechanical [J]."""
+    """Work since the start, as for `mean_power`: electrical if the robot has a power model, else mechanical [J]."""
     observations: tuple[Observation, ...] = ()
-    """All that can be seen of each robot, its contacts and its rays too; of the spatial model alone."""
+    """Full observation of each robot, including contacts and rays; spatial model only."""
 
 
 NAMES = tuple(part.name for part in fields(Motion))[:-1]
 
 
 class School(ABC, Generic[PlantType]):
-    """Robots of one plant in places that stay.
+    """Robots of one plant, each in a fixed slot.
 
     Args:
-        plant: What each of them is; it swims in water.
-        command: What they are asked for until they are told otherwise, and where their generators begin.
-        n: How many.
-        interval: From one command to the next [s].
-        threads: The robots are shared out among as many, to no effect on their numbers; None: see `usual_threads`.
+        plant: Plant of each robot, in water.
+        command: Initial command, held until another one is given; the generators start from it.
+        n: Number of robots.
+        interval: Time between two commands [s].
+        threads: Number of threads that share the robots, without effect on the results; None: see `usual_threads`.
 
     Raises:
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of range.
     """
 
     usual_threads: ClassVar[int]
-    """How many pay where nobody knows what else the cores have to do."""
+    """Number of threads that pays off when the load on the cores is unknown."""
 
     def __init__(
         self, plant: PlantType, command: Command, n: int, interval: float, *, threads: int | None = None
@@ -91,7 +91,7 @@ class School(ABC, Generic[PlantType]):
         self._well = np.full(n, True)
         gait = command.steered
         self._first = np.array([gait.amplitude, gait.frequency, gait.phase_shift, gait.offset])
-        # What was told last stands last in line; what acts until the delay is over, before what acts from then on.
+        # The queue ends with the latest command; a command that acts until the delay is over precedes the next one.
         late, part = divmod(plant.settings.loop_delay + CLOSE, self.interval)
         cut = [part - CLOSE] if part > 2.0 * CLOSE else []
         self._line = [np.repeat(self._first[:, np.newaxis], n, axis=1) for _ in range(int(late) + 1 + len(cut))]
@@ -102,12 +102,12 @@ class School(ABC, Generic[PlantType]):
 
     @property
     def motion(self) -> Motion:
-        """How they move; of one that failed, the last that made sense."""
+        """Motion of all robots; for a failed robot, its last valid motion."""
         return self._motion
 
     @property
     def is_well(self) -> Bool[np.ndarray, " n"]:
-        """Whether the numbers of each robot are still within all bounds."""
+        """Whether each robot's numbers are still within bounds."""
         return self._well.copy()
 
     def place(
@@ -118,17 +118,17 @@ class School(ABC, Generic[PlantType]):
         heading: Float[np.ndarray, " n_placed"],
         current: Sequence[Current] | Float[np.ndarray, "n_placed 2"],
     ) -> None:
-        """Let some of them begin anew: straight, at rest, their generators at the first command.
+        """Restart some of the robots: straight, at rest, their generators at the initial command.
 
         Args:
-            which: Their numbers.
-            center_of_mass: Where [m].
-            heading: [rad].
-            current: Velocity of the water around each, world axes [m/s], or its flow; one of the same kinds of parts as
-                the plant's, and as many of each.
+            which: Indices of the robots.
+            center_of_mass: Positions of the center of mass [m].
+            heading: Headings [rad].
+            current: Velocity of the water around each robot, world axes [m/s], or its flow, which must have the same
+                kinds and numbers of parts as the plant's.
 
         Raises:
-            ValueError: If a flow is another one.
+            ValueError: If a flow has other parts.
         """
         for told in self._line:
             told[:, which] = self._first[:, np.newaxis]
@@ -138,40 +138,40 @@ class School(ABC, Generic[PlantType]):
         self._keep_seen()
 
     def tell(self, command: Mapping[str, Float[np.ndarray, " n"]]) -> None:
-        """Ask every robot for something else from now on, or from when the plant's `loop_delay` is over.
+        """Give every robot a new command, which takes effect after the plant's `loop_delay`, if any.
 
         Args:
             command: Any of amplitude [rad], frequency [rad/s], phase_shift [rad] and offset [rad]; the last is the
-                gait's own and what steering adds.
+                gait's own offset plus that of steering.
         """
         for name, values in command.items():
             self._line[-1][TOLD.index(name)] = values
 
     def march(self) -> None:
-        """Let one interval go by."""
+        """Simulate one interval."""
         for duration, told in zip(self._parts, self._line, strict=False):
             self._well &= self._swim(told, duration)
         self._line = [*self._line[1:], self._line[-1].copy()]
         self._keep_seen()
 
     def observe(self, which: int) -> Observation:
-        """What can be seen of one of them."""
+        """Return the observation of one robot."""
         return self.plant.observe(self.state(which))
 
     @abstractmethod
     def state(self, which: int) -> PlantState:
-        """The state of one of them, for the plant."""
+        """Return the state of one robot, for the plant."""
 
     def close(self) -> None:
-        """Let threads go."""
+        """Release the threads."""
         self._workers.shutdown()
 
     @abstractmethod
     def _begin(self, threads: int) -> Sequence[Any]:
-        """Make room for all robots; their shares, one for each thread and no more than `threads`."""
+        """Allocate all robots; return their shares, one per thread and at most `threads`."""
 
     def _on_threads(self, work: Callable[[Any], None]) -> None:
-        """Do something with every share."""
+        """Apply `work` to every share."""
         if len(self._shares) == 1:
             work(self._shares[0])
         else:
@@ -179,15 +179,15 @@ class School(ABC, Generic[PlantType]):
 
     @abstractmethod
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
-        """As `place`."""
+        """Restart robots as `place` does."""
 
     @abstractmethod
     def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
-        """All of them, as they were told, for so long [s]; whether each is well."""
+        """Simulate all robots with the commands `told` for `duration` [s]; return whether each is within bounds."""
 
     @abstractmethod
     def _look(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
-        """The numbers of a `Motion`, a row each, and what can be seen."""
+        """Return the fields of a `Motion`, one row each, and the observations."""
 
     def _keep_seen(self) -> None:
         rows, observations = self._look()
@@ -198,7 +198,7 @@ class School(ABC, Generic[PlantType]):
 
 
 def usable_cores() -> int:
-    """How many cores this process may use."""
+    """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1  # pragma: no cover - systems that bind no process to cores

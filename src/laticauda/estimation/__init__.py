@@ -1,4 +1,4 @@
-"""State estimation: where the robot is and how it moves, from joint samples and motion-capture frames."""
+"""State estimation: position and motion of the robot from joint samples and motion-capture frames."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,7 @@
-"""The digital twin: a plant that runs beside the filter and foresees how the robot moves through still water.
+"""Digital twin: a plant that runs alongside the filter and predicts how the robot moves through still water.
 
-Nothing in still water depends on place or heading, so what a simulated robot does in its own axes is what the real one
-does, wherever the twin itself has got to meanwhile. See docs/theory/estimation.md.
+In still water nothing depends on position or heading, so the simulated robot moves in its own axes as the real one
+does, wherever the twin itself is by then. See docs/theory/estimation.md.
 """
 
 import math
@@ -19,10 +19,10 @@ from laticauda.robot import Robot
 
 Vector: TypeAlias = NDArray[np.float64]
 
-# A robot whose joints are elsewhere for so long is not what the twin takes it for.
+# If the joints deviate this far for this long, the robot is not what the twin assumes.
 ASTRAY = 0.5  # rad
 ASTRAY_TIME = 1.0  # s
-# References leave no part to the gait.
+# Joint references replace the gait completely.
 STILL = gaits.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 # A plant that leaves these bounds has diverged.
 FASTEST = 10.0  # m/s
@@ -31,39 +31,39 @@ FASTEST_TURN = 50.0  # rad/s
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TwinState:
-    """Where the twin is, and how it moves, in its own world."""
+    """Position and motion of the twin, in its own world."""
 
     plant: Any
     """State of the plant."""
     center_of_mass: Vector
-    """[m]."""
+    """Center of mass [m]."""
     velocity: Vector
-    """Of the center of mass, through the water [m/s]."""
+    """Velocity of the center of mass through the water [m/s]."""
     heading: float
-    """(6), unwrapped [rad]."""
+    """Heading (6), unwrapped [rad]."""
     rate: float
-    """Of the heading [rad/s]."""
+    """Rate of the heading [rad/s]."""
     joint_angle: Vector
-    """Its joint angles [rad]."""
+    """Joint angles of the twin [rad]."""
     astray: float = 0.0
-    """For how long a joint has been more than `ASTRAY` from the robot's [s]."""
+    """Time for which a joint has deviated by more than `ASTRAY` from the robot's [s]."""
     along: float = 0.0
-    """Way of the center of mass through the water in the last step, along the heading (6) at its start [m]."""
+    """Displacement of the center of mass through the water in the last step, along its first heading (6) [m]."""
     across: float = 0.0
-    """To the left of it [m]."""
+    """Displacement in the last step, to the left of that heading [m]."""
     turn: float = 0.0
     """Change of the heading in the last step [rad]."""
 
 
 def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
-    """Refuse what cannot be the twin of a robot.
+    """Reject a plant that cannot serve as the robot's twin.
 
     Args:
         plant: A plant, or None.
-        robot: Whose twin it is to be.
+        robot: Robot that the twin is to represent.
 
     Raises:
-        ValueError: If it is none, has other joints, or joints that do not follow references.
+        ValueError: If it is not a plant, has other joints, or has joints that do not follow references.
     """
     if plant is None:
         return
@@ -76,11 +76,11 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
 
 
 def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
-    """At rest, straight, at the origin.
+    """Return a twin at rest, straight, at the origin.
 
     Args:
-        plant: What runs beside the filter.
-        reference: The first references [rad].
+        plant: Plant that runs alongside the filter.
+        reference: First references [rad].
     """
     state = plant.init(interfaces.Start(), _held(reference))
     observation = plant.observe(state)
@@ -104,18 +104,18 @@ def step_twin(
     *,
     fin: tuple[float, ...] = (),
 ) -> TwinState | None:
-    """The twin after some time; None if it diverged, or is not what the robot is.
+    """Return the twin after a time step; None if it diverged or does not represent the robot.
 
-    Its joints follow phi_ref + k (phi - phi_twin): references drive it, and what the sensors say pulls it along.
+    Its joints follow phi_ref + k (phi - phi_twin): the references drive it, and the sensor readings correct it.
 
     Args:
-        plant: What runs beside the filter.
-        state: Before.
+        plant: Plant that runs alongside the filter.
+        state: State before the step.
         reference: phi_ref, held [rad].
-        joint_angle: phi of the robot; None where it is not known [rad].
+        joint_angle: phi of the robot; None if unknown [rad].
         coupling: k [-].
-        dt: [s].
-        fin: phi_ref of a driven fin, or nothing, which leaves it straight [rad].
+        dt: Time step [s].
+        fin: phi_ref of a driven fin; empty leaves it straight [rad].
     """
     fin = fin[: len(plant.robot.driven_joints) - plant.robot.n_joints]
     astray = 0.0
@@ -125,7 +125,7 @@ def step_twin(
         astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
     then, _, trouble = plant.advance(state.plant, _held(reference, fin), dt, dt)
     seen = plant.observe(then)
-    # The water's own motion is the filter's affair.
+    # The motion of the water is left to the filter.
     drift = np.array(getattr(plant.environment, "uniform", (0.0, 0.0))[:2])
     velocity, rate = seen.center_of_mass_velocity[:2] - drift, float(seen.heading_rate)
     is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN

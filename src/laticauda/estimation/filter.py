@@ -1,8 +1,8 @@
-"""The filter: from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
+"""Filter from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
 
-An extended Kalman filter over `MotionModel`, with a digital twin beside it if there is one. Its state is a value;
-samples may come late and out of order by up to `horizon`: then the filter goes back, takes the sample in where it
-belongs, and repeats what came after it.
+It is an extended Kalman filter with `MotionModel` and, optionally, a digital twin. Its state is a value; samples may
+arrive late and out of order by up to `horizon`: the filter then goes back, inserts the sample where it belongs, and
+repeats everything after it.
 """
 
 import math
@@ -25,18 +25,18 @@ from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Water
 
-PLAY_TORQUE = 0.3  # that has a gear touch on one side, about [N m]
-LONGEST_STEP = 0.05  # of the prediction over a gap [s]
+PLAY_TORQUE = 0.3  # approximate torque at which a gear touches on one side [N m]
+LONGEST_STEP = 0.05  # longest prediction step over a gap [s]
 
 
 @value
 class Estimator(StateEstimator):
-    """The filter's settings.
+    """Extended Kalman filter that estimates the motion of a robot; the fields are its settings.
 
-    With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital twin runs along and
-    foresees the motion; without, the filter knows no water. With `swim_speed`, a current along the course can be told
-    from the robot's own speed; see `MotionModel`. `backlash` is taken off where the modules report torques: the sensor
-    is on the motor's side, which leads by half the play wherever the motor pulls.
+    With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital twin runs alongside
+    and predicts the motion; without it, the filter has no model of the water. With `swim_speed`, a current along the
+    course can be distinguished from the robot's own speed; see `MotionModel`. `backlash` is removed if the modules
+    report torques: the sensor is on the motor's side, which leads by half the backlash wherever the motor pulls.
     """
 
     noise: Noise = option("how much sensors and model are off", default_factory=Noise)
@@ -52,30 +52,30 @@ class Estimator(StateEstimator):
     horizon: float = quantity("s", "how late a sample may come", ge=0.0, default=0.1)
 
     def __post_init__(self) -> None:
-        """Refuse a plant that cannot be the robot's twin."""
+        """Reject a plant that cannot serve as the robot's twin."""
         super().__post_init__()
         check_plant(self.plant, self.robot)
         if self.plant is not None and isinstance(water := self.plant.environment, Water) and water.flow is not None:
-            object.__setattr__(self, "plant", replace(self.plant, environment=water.still))  # a flow is for the filter
+            object.__setattr__(self, "plant", replace(self.plant, environment=water.still))  # the filter handles a flow
         if self.plant is not None and self.swim_speed is not None:
             raise BadArgument("swim_speed", f"must be None beside a `plant`, which knows it, got {self.swim_speed}")
 
     @cached_property
     def model(self) -> MotionModel:
-        """The motion model that follows from the settings."""
+        """Motion model given by the settings."""
         speed: dict[str, Any] = {"swim_speed": self.swim_speed, "swim_speed_std": self.swim_speed_std}
         return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise, **speed)
 
     @cached_property
     def twin_model(self) -> MotionModel:
-        """The same beside a twin."""
+        """Motion model used with a twin."""
         return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise.beside_twin, has_twin=True)
 
     def init(self, time: float = -math.inf) -> EstimatorState:
-        """The state before the first sample. The first call with a plant has it compiled, which may take seconds.
+        """Return the state before the first sample. The first call with a plant compiles it, which may take seconds.
 
         Args:
-            time: Samples from before it are left out [s].
+            time: Samples before this time are ignored [s].
         """
         still = np.zeros(self.model.n_joints)
         if self.plant is not None:
@@ -85,11 +85,11 @@ class Estimator(StateEstimator):
         return EstimatorState(history=((None, first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
-        """The state after one more sample, in whatever order samples come.
+        """Return the state after one more sample; samples may come in any order.
 
         Args:
-            state: As the last call returned it, or `init`.
-            sample: What came in.
+            state: State returned by the last call or by `init`.
+            sample: New sample.
 
         Raises:
             ValueError: If the sample does not fit the robot.
@@ -97,11 +97,11 @@ class Estimator(StateEstimator):
         return self.steps(state, (sample,))
 
     def steps(self, state: EstimatorState, samples: Sequence[Sample]) -> EstimatorState:
-        """The state after several samples that came at once: it goes back once for all of them.
+        """Return the state after several samples that arrived at once; the filter goes back only once for all of them.
 
         Args:
-            state: As the last call returned it, or `init`.
-            samples: What came in, in the order in which it came.
+            state: State returned by the last call or by `init`.
+            samples: New samples in order of arrival.
 
         Raises:
             ValueError: If a sample does not fit the robot.
@@ -117,7 +117,7 @@ class Estimator(StateEstimator):
             return replace(state, n_late=n_late)
         later, begin = list[Sample](), min(sample.time for sample in new)
         while len(history) > 1 and history[-1][1].time > begin:
-            later.append(cast(Sample, history.pop()[0]))  # only the first one has none
+            later.append(cast(Sample, history.pop()[0]))  # only the first has none
         rejected = 0
         for item in sorted((*reversed(later), *new), key=lambda sample: sample.time):
             before = history[-1][1]
@@ -128,11 +128,11 @@ class Estimator(StateEstimator):
         return after.within(self.horizon)
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
-        """Where the robot is, by the model from the last sample on; None before the first frame and joint sample.
+        """Return the estimate, predicted from the last sample on; None before the first frame and joint sample.
 
         Args:
-            state: The filter's state.
-            time: For when; None: for the last sample [s].
+            state: State of the filter.
+            time: Requested time; None for that of the last sample [s].
         """
         now = state.latest
         if now.posterior is None:
@@ -140,7 +140,7 @@ class Estimator(StateEstimator):
         if time is not None and time > now.time:
             now = self._predicted(now, time)
         posterior, model = now.posterior, self._model_of(now)
-        assert posterior is not None  # a prediction does not forget it
+        assert posterior is not None  # a prediction keeps it
         mean = posterior.mean
         place, theta, rows = model.pose(mean, now.lagged)
         velocity, turning = model.rates(mean, now.lagged, now.lagged_rate, now.frequency, now.twin)
@@ -176,12 +176,12 @@ class Estimator(StateEstimator):
         return self._with_frame(state, sample)
 
     def _predicted(self, state: FilterState, time: float) -> FilterState:
-        """The filter at a later time, without more samples."""
+        """Return the filter at a later time, without further samples."""
         dt = time - state.time
         if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
         width = self.model.reference_bandwidth
-        decay, lag = math.exp(-width * dt), cast(Any, filter_step)  # whose formula holds for arrays too
+        decay, lag = math.exp(-width * dt), cast(Any, filter_step)  # its formula also holds for arrays
         lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, decay, dt)
         runs = state.posterior is not None or state.twin is not None
         n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if runs else 0
@@ -190,7 +190,7 @@ class Estimator(StateEstimator):
         return replace(state, time=time, lagged=lagged, lagged_rate=rate)
 
     def _substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
-        """Twin and robot after one step; the joints' lagged references are already those at its end."""
+        """Advance twin and robot by one step; the joints' lagged references are already those at its end."""
         posterior = state.posterior
         if state.twin is not None and self.plant is not None:
             joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
@@ -208,7 +208,7 @@ class Estimator(StateEstimator):
         return self.model if state.twin is None else self.twin_model
 
     def _with_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
-        """New references; the first ones start the twin."""
+        """Apply new references; the first ones start the twin."""
         reference, twin, posterior = self.robot.yaw_joints("angle", sample.angle), state.twin, state.posterior
         if twin is None and self.plant is not None and not state.twin_failed:
             twin = start_twin(self.plant, reference)
@@ -218,7 +218,7 @@ class Estimator(StateEstimator):
         return replace(state, twin=twin, posterior=posterior)
 
     def _without_play(self, sample: JointSample) -> Vector:
-        """The joint angles, from the sensors and the side on which the gears touch."""
+        """Return the joint angles, from the sensors and the side on which the gears touch."""
         angle = self.robot.yaw_joints("angle", sample.angle)
         if self.backlash == 0.0 or sample.torque is None:
             return angle
@@ -237,7 +237,7 @@ class Estimator(StateEstimator):
         rejected = reported & (np.abs(residual) > self.gate * spread)
         n_rejected = np.where(rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected))
         insists = n_rejected >= self.joint_patience
-        if insists.any():  # they are accepted: the filter starts anew with them
+        if insists.any():  # accept these and restart the filter with them
             at = places[insists]
             posterior = posterior.restarted(at, posterior.mean[at] + residual[insists], self.noise.joint**2)
             posterior = posterior.restarted(at + 1, 0.0, 1.0)
@@ -277,7 +277,7 @@ class Estimator(StateEstimator):
         return np.array([frame.position[0], frame.position[1], yaw]), np.diag(variance)
 
     def _initialized(self, state: FilterState, frame: PoseSample) -> FilterState:
-        """The first frame, with the joint angles before it, gives a pose to start from."""
+        """Initialize the filter with the pose from the first frame and the joint angles before it."""
         measured, _ = self._measurement(frame)
         if state.joint_angle is None or measured.size < 3:
             return state
@@ -291,13 +291,13 @@ class Estimator(StateEstimator):
 
 
 def _larger_eigenvalue(matrix: Matrix) -> float:
-    """Of a symmetric 2 x 2 matrix."""
+    """Return the larger eigenvalue of a symmetric 2 x 2 matrix."""
     a, b, d = float(matrix[0, 0]), float(matrix[0, 1]), float(matrix[1, 1])
     return 0.5 * (a + d) + math.hypot(0.5 * (a - d), b)
 
 
 def _inflated(posterior: Gaussian) -> Gaussian:
-    """The same, with pose and speeds open again: for a filter that no frame fits any more."""
+    """Increase the uncertainty of pose and speeds, for a filter that no longer fits any frame."""
     covariance = posterior.covariance.copy()
     for at, variance in ((X, 1.0), (Y, 1.0), (H, 1.0), (U, 0.1), (S, 0.1), (R, 1.0)):
         covariance[at, at] += variance

@@ -1,4 +1,4 @@
-"""What the filter knows: how much sensors and model are off, a Gaussian estimate, and the past it may go back to."""
+"""State of the filter: errors of sensors and model, a Gaussian estimate, and the past that it may return to."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,14 +12,14 @@ from laticauda.estimation import digital_twin, samples
 from laticauda.files import read_toml
 from laticauda.quantities import quantity, value
 
-# The filter runs hundreds of times a second: shapes are in the docstrings, and are not checked at run time.
+# The filter runs hundreds of times per second: shapes are given in docstrings and not checked at run time.
 Vector: TypeAlias = NDArray[np.float64]
 Matrix: TypeAlias = NDArray[np.float64]
 
 
 @value
 class Noise:
-    """How much the sensors and the model are off: standard deviations, and how fast what is not known wanders."""
+    """Errors of sensors and model: standard deviations, and how fast unknown quantities wander."""
 
     position: float = quantity("m", "of the marker body, per axis", gt=0.0, default=0.001)
     yaw: float = quantity("rad", "of the marker body", gt=0.0, default=math.radians(0.1))
@@ -41,42 +41,42 @@ class Noise:
 
     @property
     def beside_twin(self) -> "Noise":
-        """The same sensors, and of the motion what a twin does not foresee."""
+        """Noise of the same sensors, and of only that part of the motion that a twin does not predict."""
         return replace(self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()})
 
 
 BESIDE_TWIN: dict[str, float] = read_toml(Path(__file__).with_name("beside_twin.toml"))
-"""How fast changes what a twin leaves to explain of the motion."""
+"""Limits on how fast the motion that a twin does not explain changes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gaussian:
-    """What is known of a vector: its mean and covariance, in the units of its parts."""
+    """Gaussian estimate of a vector: mean and covariance, in the units of its components."""
 
     mean: Vector
     """Expected value."""
     covariance: Matrix
-    """Symmetric, positive semi-definite."""
+    """Covariance; symmetric, positive semi-definite."""
 
     def predict(self, mean: Vector, transition: Matrix, noise: Matrix) -> "Gaussian":
-        """A step of time: the covariance becomes F P F' + Q.
+        """Apply a time step: the covariance becomes F P F' + Q.
 
         Args:
-            mean: After the step; a nonlinear model has computed it.
-            transition: F, derivative of the step with respect to what is estimated.
-            noise: Q, covariance of what the model does not know.
+            mean: Mean after the step, computed by a nonlinear model.
+            transition: F, derivative of the step with respect to the estimated vector.
+            noise: Q, covariance of the process noise.
         """
         return Gaussian(mean=mean, covariance=_symmetric(transition @ self.covariance @ transition.T + noise))
 
     def update(self, residual: Vector, sensitivity: Matrix, noise: Matrix) -> "Gaussian":
-        """A measurement taken in, in Joseph's form of the covariance.
+        """Apply a measurement, with the Joseph form of the covariance.
 
         Args:
             residual: Measured minus expected; angles wrapped.
-            sensitivity: H, derivative of the measurement with respect to what is estimated.
+            sensitivity: H, derivative of the measurement with respect to the estimated vector.
             noise: R, covariance of the measurement.
         """
-        # H x is added and taken off again, as in recordings that are replayed to the bit.
+        # H x is added and subtracted again, as in recordings that are replayed bit for bit.
         linear = sensitivity @ self.mean
         spread = sensitivity @ self.covariance @ sensitivity.T + noise
         gain = self.covariance @ sensitivity.T @ np.linalg.inv(spread)
@@ -86,12 +86,12 @@ class Gaussian:
         return Gaussian(mean=mean, covariance=_symmetric(covariance))
 
     def restarted(self, at: np.ndarray, mean: Vector | float, variance: Vector | float) -> "Gaussian":
-        """The same, with some entries as if they were known by themselves alone.
+        """Return the same Gaussian with some entries reset and uncorrelated with all others.
 
         Args:
-            at: Which entries.
-            mean: Of them.
-            variance: Of them.
+            at: Indices of the entries.
+            mean: Their mean.
+            variance: Their variance.
         """
         means, covariance = self.mean.copy(), self.covariance.copy()
         means[at] = mean
@@ -100,11 +100,11 @@ class Gaussian:
         return Gaussian(mean=means, covariance=covariance)
 
     def squared_distance(self, residual: Vector, sensitivity: Matrix, noise: Matrix) -> float:
-        """How far off a measurement is, squared, in units of its expected spread (chi-squared, m degrees) [-].
+        """Return the squared distance of a measurement in units of its expected spread (chi-squared, m degrees) [-].
 
         Args:
             residual: Measured minus expected; angles wrapped.
-            sensitivity: H, derivative of the measurement with respect to what is estimated.
+            sensitivity: H, derivative of the measurement with respect to the estimated vector.
             noise: R, covariance of the measurement.
         """
         spread = sensitivity @ self.covariance @ sensitivity.T + noise
@@ -113,57 +113,57 @@ class Gaussian:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FilterState:
-    """The filter right after one sample."""
+    """State of the filter right after one sample."""
 
     time: float
-    """[s]."""
+    """Time [s]."""
     reference: Vector
     """phi_ref in force [rad]."""
     fin_reference: tuple[float, ...] = ()
-    """The same of a driven fin, which the twin needs; empty without [rad]."""
+    """phi_ref in force of a driven fin, which the twin needs; empty without a fin [rad]."""
     lagged: Vector
-    """phi_ref after the filter that stands for the joints' lag [rad]."""
+    """phi_ref after the filter that models the joints' lag [rad]."""
     lagged_rate: Vector
-    """Its rate [rad/s]."""
+    """Rate of `lagged` [rad/s]."""
     n_joint_rejected: np.ndarray
-    """Samples in a row that were rejected, per joint [-]."""
+    """Number of consecutive rejected samples, per joint [-]."""
     posterior: Gaussian | None = None
-    """What is estimated; None before the first frame."""
+    """Estimated quantities; None before the first frame."""
     frequency: float = 0.0
-    """Of the gait [rad/s]."""
+    """Frequency of the gait [rad/s]."""
     joint_angle: Vector | None = None
-    """The last joint angles, before the first frame [rad]."""
+    """Last joint angles before the first frame [rad]."""
     frame_time: float = -math.inf
-    """When the last frame that was accepted was taken; -inf before [s]."""
+    """Time of the last accepted frame; -inf before the first [s]."""
     n_rejected: int = 0
-    """Frames in a row that were rejected [-]."""
+    """Number of consecutive rejected frames [-]."""
     twin: digital_twin.TwinState | None = None
-    """The digital twin; None without one."""
+    """Digital twin; None without one."""
     twin_failed: bool = False
-    """Whether the twin had to be given up [-]."""
+    """Whether the twin had to be abandoned [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EstimatorState:
-    """The estimator's state: the filter now, and the last few samples with the filter after each."""
+    """State of the estimator: the current filter, and the last few samples with the filter after each."""
 
     history: tuple[tuple[samples.Sample | None, FilterState], ...]
-    """Oldest first; the first one has no sample."""
+    """Samples and filters, oldest first; the first entry has no sample."""
     n_outliers: int = 0
-    """Frames that were not accepted so far [-]."""
+    """Number of frames rejected so far [-]."""
     n_late: int = 0
-    """Samples that came too late and were left out so far [-]."""
+    """Number of samples so far that arrived too late and were left out [-]."""
 
     @property
     def latest(self) -> FilterState:
-        """After the last sample."""
+        """Filter after the last sample."""
         return self.history[-1][1]
 
     def within(self, horizon: float) -> "EstimatorState":
-        """The same without what no sample may go back to that comes late by at most `horizon` [s].
+        """Return the state without the history that samples late by at most `horizon` [s] cannot reach.
 
         Args:
-            horizon: How late a sample may come [s].
+            horizon: Largest delay of a sample [s].
         """
         past, keep = self.history, 0
         while keep + 1 < len(past) and past[keep + 1][1].time <= self.latest.time - horizon:

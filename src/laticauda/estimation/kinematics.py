@@ -1,6 +1,6 @@
-"""Kinematics alone, as in the paper: one pose of the marker body and the joint angles give everything.
+"""Kinematics only, as in the paper: one pose of the marker body and the joint angles determine everything.
 
-Nothing is filtered; without a frame the last result stands still. The filter is measured against this.
+Nothing is filtered; without a frame, the last result is held. This is the baseline for the filter.
 """
 
 from dataclasses import dataclass, replace
@@ -20,21 +20,21 @@ Vector = Float[np.ndarray, " _n"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class KinematicState:
-    """The last samples of the joints, and what the frames of the last moments said."""
+    """Most recent joint samples, and the estimates from the most recent frames."""
 
     joints: tuple[tuple[float, Vector], ...] = ()
     """Times [s] and angles [rad], oldest first."""
     frames: tuple[Estimate, ...] = ()
-    """Oldest first; without velocities."""
+    """Estimates from frames, oldest first; without velocities."""
 
 
 @value
 class KinematicEstimator(StateEstimator):
-    """From the pose of the last module and the joint angles to center of mass and link angles.
+    """Estimator of center of mass and link angles from the pose of the marked module and the joint angles.
 
     Joint angles are interpolated to the time of the frame. Velocities are differences over `span`. In space, height and
-    pitch are known too: the whole rotation of the marker body is used, and the angles of all joints. The center of mass
-    is then that of modules whose own are on their axes.
+    pitch are also known: the whole rotation of the marker body and the angles of all joints are used. The center of
+    mass is then computed for modules whose own centers of mass are on their axes.
     """
 
     in_space: bool = option("whether it measures in three dimensions; else pitch joints are straight", default=False)
@@ -45,15 +45,15 @@ class KinematicEstimator(StateEstimator):
         return self.robot.planar()
 
     def init(self) -> KinematicState:
-        """The state before the first sample."""
+        """Return the state before the first sample."""
         return KinematicState()
 
     def step(self, state: KinematicState, sample: Sample) -> KinematicState:
-        """The state after one more sample; frames from before the last one are left out.
+        """Return the state after one more sample; frames older than the last one are ignored.
 
         Args:
-            state: As the last call returned it, or `init`.
-            sample: What came in.
+            state: State returned by the last call or by `init`.
+            sample: New sample.
 
         Raises:
             ValueError: If the sample does not fit the robot.
@@ -69,7 +69,7 @@ class KinematicEstimator(StateEstimator):
         return state
 
     def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
-        assert frame.rotation is not None  # the caller looked
+        assert frame.rotation is not None  # checked by the caller
         if state.frames and frame.time <= state.frames[-1].time:
             return state
         times = np.array([time for time, _ in state.joints])
@@ -97,11 +97,11 @@ class KinematicEstimator(StateEstimator):
         return replace(state, frames=(*kept, said))
 
     def _own(self, angle: Vector) -> Vector:
-        """The joints that count, of all."""
+        """Select the joints that are used."""
         return angle[: self.robot.n_joints] if self.in_space else self.robot.yaw_joints("angle", angle)
 
     def _seen(self, position: Vector, rotation: np.ndarray, joint: Vector) -> tuple[Vector, Vector, float]:
-        """Link angles [rad], center of mass [m] and mean pitch [rad], by the pose of the marker body."""
+        """Return link angles [rad], center of mass [m] and mean pitch [rad] from the pose of the marker body."""
         if not self.in_space:
             link, offset = self.on_link
             theta = link_angles(joint, angle=self.mount.link_yaw(rotation), link=link)
@@ -116,11 +116,11 @@ class KinematicEstimator(StateEstimator):
         return theta, position - turned @ marker, float(pitch.mean())
 
     def estimate(self, state: KinematicState, time: float | None = None) -> Estimate | None:
-        """What the last frame said; None before the first one.
+        """Return the estimate from the last frame; None before the first one.
 
         Args:
-            state: The estimator's state.
-            time: For when; None: for the last frame [s].
+            state: State of the estimator.
+            time: Requested time; None for that of the last frame [s].
         """
         if not state.frames:
             return None

@@ -32,7 +32,9 @@ LARGER = 0.02  # by which an unknown is larger in its own twin, in its scale
 GAP = 0.2  # between samples at most [s]
 UNTOLD, LEAST = 2, 6  # stretches that a twin needs to swim as the robot does; beyond them, to say anything
 MEDIAN, FINEST = 0.455, 0.1**2  # of the square of a normal number; variance that deviations have at least
-WITHIN = 1.96  # standard deviations to either side that hold 95 %
+# Standard deviations to either side that hold 95 %; by Student's t 1 + 1.21 / n + 1.44 / n^2 times as many (Cornish
+# and Fisher's expansion).
+WITHIN, STUDENT = 1.96, (1.21, 1.44)
 PLAY, CRAB = 0.01, 0.005  # of joints, and by which the robot points elsewhere than is seen, in the beginning [rad]
 FLOOR, FLOOR_PLAY = 0.02, 0.05  # of deviations: what repeats in every cycle [-]
 FLOOR_AHEAD, FLOOR_ASIDE = 1.2e-3, 0.4e-3  # likewise, of a current along the robot and across it [m/s]
@@ -73,11 +75,10 @@ class Learned:
     @property
     def line(self) -> str:
         """Every value with its interval of 95 %, for people."""
-        found: list[str] = []
-        for name, mean in self.value.items():
-            spread = f"{mean:.4f} ± {WITHIN * self.deviation[name]:.4f} {UNITS.get(name, '')}"
-            found.append(f"{name.replace('_', ' ')} {spread}".rstrip())
-        return ", ".join(found)
+        return ", ".join(
+            f"{name.replace('_', ' ')} {mean:.4f} ± {WITHIN * self.deviation[name]:.4f} {UNITS.get(name, '')}".rstrip()
+            for name, mean in self.value.items()
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -225,7 +226,9 @@ class Learner:
         off, design = self._compared(state, seen)
         step, told, size = self._step(state, off, design)
         cycles = _cycles(_pull(off - design @ step, design) / size)
-        spread = cycles.T @ cycles * len(cycles) / max(len(cycles) - step.size, 1) + np.diag(self._opening**-2.0)
+        free = len(cycles) - 1
+        wider = (1.0 + 1.0 / free) * (1.0 + STUDENT[0] / free + STUDENT[1] / free**2) ** 2
+        spread = wider * cycles.T @ cycles + np.diag(self._opening**-2.0)
         back = np.linalg.inv(told)
         deviation = np.sqrt(np.diag(back @ spread @ back) + self._floor(seen) ** 2)
         return replace(state, mean=state.mean + step, deviation=deviation)
@@ -273,9 +276,8 @@ class Learner:
         before, last = cycles[:-1], cycles[-1:]
         if len(before) < LEAST:
             return False
-        size = _size(off)
-        noise = 2.0 * size * np.einsum("kij,kil->jl", design, design) / len(off)
-        noise += size**2 * np.diag(self._opening**-2.0)
+        size, told = _size(off), np.einsum("kij,kil->jl", design, design) / len(off)
+        noise = 2.0 * size * told + size**2 * np.diag(self._opening**-2.0)
         usual: Array = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (len(before) + LEAST)
         return (last @ np.linalg.solve(usual, last.T)).item() > self.settings.doubt**2
 

@@ -1,7 +1,7 @@
-"""The filter's motion and measurement model: what is estimated, how it moves on, and where that puts the marker.
+"""Motion and measurement model of the filter: the estimated quantities, their motion, and the resulting marker pose.
 
 The center of mass and the heading are a smooth motion through moving water plus the gait's ripple, which repeats with
-the gait. Joint angles are their references, lagged, plus a deviation. See docs/theory/estimation.md.
+the gait. Joint angles are their lagged references plus a deviation. See docs/theory/estimation.md.
 """
 
 import math
@@ -16,14 +16,14 @@ from laticauda.estimation.samples import Mount
 from laticauda.kinematics import Posture, link_angles
 from laticauda.robot import Robot
 
-# Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
-# rate of turning and the sideways speed per mean joint angle.
+# Indices in the estimated vector. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the rate of
+# turning and the sideways speed per mean joint angle.
 X, Y, U, S, VX, VY, H, R, TURN, SLIP = range(10)
-# What one mode of the body's bending adds to the heading, and to the place of the center of mass across it.
+# Contributions of one bending mode of the body to the heading, and to the position of the center of mass across it.
 N_MODES = 4
 HEADING_GAIN = slice(10, 10 + N_MODES)
 ACROSS_GAIN = slice(10 + N_MODES, 10 + 2 * N_MODES)
-# What repeats with the gait is a turning pointer (c, s) per harmonic; its part in the motion is c.
+# Motion that repeats with the gait is a rotating phasor (c, s) per harmonic; its contribution to the motion is c.
 HEADING, ALONG, ACROSS = range(3)
 RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACROSS, 2))
 RIPPLE = 10 + 2 * N_MODES
@@ -36,52 +36,52 @@ _POINTER = [_C[one] for one in _OF]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionModel:
-    """The model for one robot with one marker body; holds what never changes."""
+    """Model of one robot with one marker body; holds everything that never changes."""
 
     robot: Robot
-    """Its planar reduction counts."""
+    """Robot; its planar reduction is used."""
     mount: Mount = field(default_factory=Mount)
-    """Where the marker body sits."""
+    """Mount of the marker body."""
     noise: Noise = field(default_factory=Noise)
-    """What is not known."""
+    """Errors of sensors and model."""
     swim_speed: float | None = None
-    """The robot's speed through the water under its gait, if it is known: then a current along the course can be told
-    from the robot's own speed. None: only turning tells the two apart [m/s]."""
+    """Robot's speed through the water under its gait, if known; it allows a current along the course to be
+    distinguished from the robot's own speed. None: only turning distinguishes the two [m/s]."""
     swim_speed_std: float = 0.01
-    """How well it is known [m/s]."""
+    """Standard deviation of `swim_speed` [m/s]."""
     has_twin: bool = False
-    """Whether a twin foresees the motion: then U, S and R are what the robot does besides, TURN is the share by which
-    it turns faster than the twin, and all of it is small."""
+    """Whether a twin predicts the motion: U, S and R are then the motion of the robot beyond the twin's, TURN is the
+    fraction by which it turns faster than the twin, and all of them are small."""
     ripple_memory: float = 100.0
-    """Time in which a ripple without frames fades [s]."""
+    """Time constant with which a ripple decays unless frames sustain it [s]."""
     reference_bandwidth: float = 25.0
-    """Of the second-order filter that stands for the joints' lag [rad/s]."""
+    """Bandwidth of the second-order filter that models the joints' lag [rad/s]."""
 
     @cached_property
     def chain(self) -> Robot:
-        """The planar reduction."""
+        """Planar reduction of the robot."""
         return self.robot.planar()
 
     @cached_property
     def n_joints(self) -> int:
-        """Its joints [-]."""
+        """Number of its joints [-]."""
         return self.chain.n_links - 1
 
     @cached_property
     def size(self) -> int:
-        """Length of what is estimated [-]."""
+        """Length of the estimated vector [-]."""
         return JOINTS + 2 * self.n_joints
 
     @cached_property
     def link(self) -> int:
-        """Which link carries the markers [-]."""
+        """Link that carries the markers [-]."""
         return self.mount.on_link(self.robot)[0]
 
     @cached_property
     def lever(self) -> np.ndarray:
-        """Marker body minus center of mass = sum of these times exp(i theta), in complex numbers [m]."""
+        """Lever of each link: marker body minus center of mass = sum of lever exp(i theta), in complex numbers [m]."""
         n, (link, (along, across)) = self.chain.n_links, self.mount.on_link(self.robot)
-        # One link along x and all others along y: what the place of a link's middle has in x is that one's lever.
+        # With one link along x and all others along y, the x component of a link's middle is the lever of that one.
         one_turned = 0.5 * math.pi * (1.0 - np.eye(n))
         lever = Posture(self.chain, np.zeros((n, 2)), one_turned).link_centers[:, link, 0].astype(np.complex128)
         lever[link] += complex(along, across)
@@ -99,13 +99,13 @@ class MotionModel:
         return _bending_modes(self.n_joints)
 
     def initial(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector) -> Gaussian:
-        """What is known after the first frame: mean and covariance.
+        """Return the mean and covariance after the first frame.
 
         Args:
             center_of_mass: p [m].
-            heading: [rad].
+            heading: Heading [rad].
             deviation: Joint angles minus references [rad].
-            deviation_rate: Their rates [rad/s].
+            deviation_rate: Rates of these deviations [rad/s].
         """
         mean = np.zeros(self.size)
         mean[[X, Y]], mean[H] = center_of_mass, heading
@@ -113,10 +113,10 @@ class MotionModel:
         return Gaussian(mean=mean, covariance=np.diag(self._first_variance()))
 
     def reopened(self, posterior: Gaussian) -> Gaussian:
-        """The same pose, current and joints, with all that explains the motion open again: for a change of models.
+        """Keep pose, current and joints, and reset all that explains the motion: for a change of models.
 
         Args:
-            posterior: Under the other model.
+            posterior: Estimate under the other model.
         """
         at = np.array([U, S, R, *range(TURN, JOINTS)])
         return posterior.restarted(at, 0.0, self._first_variance()[at])
@@ -136,17 +136,17 @@ class MotionModel:
     def step(
         self, mean: Vector, reference: Vector, frequency: float, dt: float, twin: TwinState | None = None
     ) -> tuple[Vector, Matrix, Matrix]:
-        """One step of time.
+        """Advance the mean by one time step.
 
         Args:
-            mean: What is estimated, before it.
-            reference: What joint angles deviate from [rad].
-            frequency: Of the gait, omega [rad/s].
-            dt: [s].
-            twin: After its own step; None without one.
+            mean: Mean of the estimated vector before the step.
+            reference: References that the joint angles deviate from [rad].
+            frequency: omega, frequency of the gait [rad/s].
+            dt: Time step [s].
+            twin: Twin after its own step; None without one.
 
         Returns:
-            The mean after it, F and Q.
+            The mean after the step, F and Q.
         """
         f, q = np.eye(self.size), np.zeros((self.size, self.size))
         after = mean.copy()
@@ -161,7 +161,7 @@ class MotionModel:
         return after, f, q
 
     def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, twin: TwinState | None) -> None:
-        """The smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
+        """Advance the smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
         foreseen = 0.0 if twin is None else twin.turn
         lever = bend if twin is None else foreseen / dt
         turning = mean[R] + mean[TURN] * lever
@@ -186,7 +186,7 @@ class MotionModel:
         f[X, JOINTS::2], f[Y, JOINTS::2] = -s * mean[SLIP] * per_bend, c * mean[SLIP] * per_bend
 
     def _wander(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
-        """What nobody knows of the smooth motion, and of the gains."""
+        """Add the process noise of the smooth motion and of the gains."""
         noise = self.noise
         fade = math.exp(-dt / noise.sway_time)
         after[S] *= fade
@@ -201,7 +201,7 @@ class MotionModel:
             q[gains, gains] = walk**2 * dt * np.eye(N_MODES)
 
     def _surge(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
-        """Speed through the water: a random walk, or drawn to the known one or the twin's within some cycles."""
+        """Advance the speed through the water: a random walk, or relaxation to the known or twin's in some cycles."""
         if self.has_twin:
             memory, std, target = TWIN_MEMORY, TWIN_SURGE, 0.0
         elif self.swim_speed is None:
@@ -215,7 +215,7 @@ class MotionModel:
         q[U, U] = std**2 * (1.0 - fade * fade)
 
     def _ripples(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
-        """Every pointer turns by the gait's phase; without a gait it fades at once."""
+        """Rotate every phasor by the gait's phase; without a gait, it decays at once."""
         moving = frequency > 0.0
         fade = math.exp(-dt / (self.ripple_memory if moving else STOPPED_MEMORY))
         angle, at = _HARMONIC * frequency * dt, _C + 1
@@ -230,11 +230,11 @@ class MotionModel:
     # ---- the measurement model ---------------------------------------------------------------------------------------
 
     def pose(self, mean: Vector, reference: Vector) -> tuple[Vector, float, Matrix]:
-        """Center of mass [m], heading (6) [rad], ripple included, and the derivative of these three.
+        """Return center of mass [m] and heading (6) [rad], ripple included, and the derivative of these three.
 
         Args:
-            mean: What is estimated.
-            reference: What joint angles deviate from [rad].
+            mean: Mean of the estimated vector.
+            reference: References that the joint angles deviate from [rad].
         """
         bending = self.modes @ (reference + mean[JOINTS::2])
         c, s = math.cos(mean[H]), math.sin(mean[H])
@@ -259,14 +259,14 @@ class MotionModel:
     def rates(
         self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float, twin: TwinState | None = None
     ) -> tuple[Vector, float]:
-        """Velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
+        """Return the velocity of the center of mass [m/s] and the heading rate [rad/s], ripple included.
 
         Args:
-            mean: What is estimated.
-            reference: What joint angles deviate from [rad].
-            reference_rate: Its rate [rad/s].
-            frequency: Of the gait, omega [rad/s].
-            twin: The twin, now; None without one.
+            mean: Mean of the estimated vector.
+            reference: References that the joint angles deviate from [rad].
+            reference_rate: Rates of the references [rad/s].
+            frequency: omega, frequency of the gait [rad/s].
+            twin: Current twin; None without one.
         """
         bending = self.modes @ (reference + mean[JOINTS::2])
         bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
@@ -286,11 +286,11 @@ class MotionModel:
         return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
 
     def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
-        """What motion capture is expected to measure: x, y [m] and yaw of the link [rad], and its derivative.
+        """Return the expected motion-capture measurement, x, y [m] and yaw of the link [rad], and its derivative.
 
         Args:
-            mean: What is estimated.
-            reference: What joint angles deviate from [rad].
+            mean: Mean of the estimated vector.
+            reference: References that the joint angles deviate from [rad].
         """
         place, heading, rows = self.pose(mean, reference)
         theta = heading + self.spread @ (reference + mean[JOINTS::2])
@@ -307,34 +307,34 @@ class MotionModel:
         return np.array([marker.real, marker.imag, theta[self.link]]), rows
 
 
-# Time in which the robot comes to its speed [s], and in which ripples fade once the gait stands still [s].
+# Time constants with which the robot reaches its speed [s], and with which ripples decay once the gait has stopped [s].
 SPEED_UP = 4.0
 STOPPED_MEMORY = 0.3
-# How far the twin's speed is off [m/s], and for how long [s].
+# Error of the twin's speed [m/s], and how long it lasts [s].
 TWIN_SURGE = 0.02
 TWIN_MEMORY = 10.0
-# How well a twin knows at the start what gains stand for, as a share of what is known without one [-].
+# Initial standard deviations of the gains with a twin, as a fraction of those without one [-].
 TWIN_OPENING = 0.1
 
 
 def _through_water(mean: Vector, bend: float, c: float, s: float) -> Vector:
-    """Velocity of the smooth motion through the water, world axes [m/s]."""
+    """Return the velocity of the smooth motion through the water, world axes [m/s]."""
     return _in_world(mean[U], mean[S] + mean[SLIP] * bend, c, s)
 
 
 def _in_world(along: float, across: float, c: float, s: float) -> Vector:
-    """World axes of a vector that is given along a heading and to the left of it, by the heading's cosine and sine."""
+    """Convert a vector along a heading and to its left to world axes, given the heading's cosine and sine."""
     return np.array([c * along - s * across, s * along + c * across])
 
 
 def _walk_of_rate(q: Matrix, at: int | np.ndarray, density: float, dt: float) -> None:
-    """A value whose rate is a random walk."""
+    """Set the process noise of a value whose rate is a random walk."""
     q[at, at] = density * dt**3 / 3.0
     q[at, at + 1] = q[at + 1, at] = density * dt**2 / 2.0
     q[at + 1, at + 1] = density * dt
 
 
 def _bending_modes(n_joints: int) -> Matrix:
-    """Rows that make modes of the joint angles: their mean, and cosines of 1, 2 and 3 half waves along the body."""
+    """Return rows that map joint angles to modes: their mean, and cosines of 1, 2 and 3 half waves along the body."""
     place = (np.arange(n_joints) + 0.5) / max(n_joints, 1)
     return np.array([np.cos(math.pi * k * place) for k in range(N_MODES)]) / max(n_joints, 1)

@@ -1,6 +1,7 @@
-"""What state estimation takes in and gives: samples, where on the robot the markers sit, estimates.
+"""Inputs and outputs of state estimation: samples, the mount of the markers on the robot, and estimates.
 
-Every sample says when it was taken, on the one clock of the recording. They may arrive late and out of order.
+Every sample carries the time at which it was taken, on the one clock of the recording. Samples may arrive late and out
+of order.
 """
 
 import math
@@ -23,16 +24,16 @@ Vector: TypeAlias = Float[np.ndarray, " _"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PoseSample:
-    """Where motion capture saw the marker body; a body that is lost has nan in its position."""
+    """Pose of the marker body from motion capture; if the body is lost, its position contains nan."""
 
     time: float
-    """When the cameras took it [s]."""
+    """Time at which the cameras took the frame [s]."""
     position: Float[np.ndarray, " 3"]
-    """Of the marker body, world axes [m]."""
+    """Position of the marker body, world axes [m]."""
     rotation: Float[np.ndarray, "3 3"] | None = None
-    """From the axes of the marker body to world axes; None if only its position is known [-]."""
+    """Rotation from the axes of the marker body to world axes; None if only its position is known [-]."""
     residual: float = 0.0
-    """How well the markers fit the body, root mean square distance [m]."""
+    """Residual of the fit of the markers to the body, root mean square distance [m]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -46,16 +47,16 @@ class PoseSample:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointSample:
-    """What the joints report, tail first; nan where a module did not answer."""
+    """Joint measurements, tail first; nan if a module did not answer."""
 
     time: float
-    """When all joints were sampled, at the Sync [s]."""
+    """Time at which all joints were sampled, at the Sync [s]."""
     angle: Vector
     """phi of every joint of the robot, or of its yaw joints only [rad]."""
     rate: Vector | None = None
-    """phi', as the modules report it; None if they do not [rad/s]."""
+    """phi', as reported by the modules; None if they do not report it [rad/s]."""
     torque: Vector | None = None
-    """Of every drive; None if the modules do not report it [N m]."""
+    """Torque of every drive; None if the modules do not report it [N m]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -65,14 +66,14 @@ class JointSample:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReferenceSample:
-    """The references of the joints from this time on."""
+    """Joint references from this time on."""
 
     time: float
-    """When it took effect, at the Sync [s]."""
+    """Time at which they took effect, at the Sync [s]."""
     angle: Vector
     """phi_ref of every joint of the robot, and of a driven fin, or of its yaw joints only [rad]."""
     frequency: float = 0.0
-    """Of the gait, an angular frequency; 0 while no gait runs [rad/s]."""
+    """Angular frequency of the gait; 0 while no gait runs [rad/s]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -84,7 +85,7 @@ Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
 
 
 def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
-    """Keep a finite time, and arrays of these shapes that nobody changes; None stays None."""
+    """Check that the time is finite, and store read-only arrays of these shapes; None stays None."""
     object.__setattr__(sample, "time", finite("time", sample.time, "s"))
     for name, shape in shapes.items():
         given: object = getattr(sample, name)
@@ -104,27 +105,27 @@ Status: TypeAlias = Literal["tracking", "bridging", "lost"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate(Observation):
-    """What an estimator says can be seen of the robot, and how sure that is; a controller takes it."""
+    """Estimated observation of the robot with its uncertainty, as input of a controller."""
 
     status: Status
-    """`tracking`: motion capture sees the robot; `bridging`: a drop-out is being bridged; `lost`: for too long [-]."""
+    """`tracking`: motion capture sees the robot; `bridging`: bridging a drop-out; `lost`: it lasts too long [-]."""
     age: float
-    """Time since the last frame that was accepted [s]."""
+    """Time since the last accepted frame [s]."""
     center_of_mass_std: float = 0.0
-    """Standard deviation of p per axis; 0 where the estimator does not know [m]."""
+    """Standard deviation of p per axis; 0 if the estimator does not provide it [m]."""
     heading_std: float = 0.0
-    """Of the heading; 0 where the estimator does not know [rad]."""
+    """Standard deviation of the heading; 0 if the estimator does not provide it [rad]."""
     current: Float[np.ndarray, " 2"] | None = None
-    """Velocity the water moves to; None where it is not estimated [m/s]."""
+    """Velocity that the water moves to; None if it is not estimated [m/s]."""
     current_std: float = 0.0
-    """Its standard deviation along its less certain direction [m/s]."""
+    """Standard deviation of the current along its less certain direction [m/s]."""
 
 
 @value
 class Mount:
-    """Where the marker body sits.
+    """Mount of the marker body on the robot.
 
-    The paper's is on "the last module", the one that also carries the caudal fin: the tail, module 0 here.
+    In the paper, it is on "the last module", which also carries the caudal fin: the tail, module 0 here.
     """
 
     module: int = quantity("", "which module of the robot carries it, 0 = tail", ge=0, default=0)
@@ -132,10 +133,10 @@ class Mount:
     angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
 
     def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
-        """The link of `robot.planar()` that carries it, and its place from the middle of that link [m].
+        """Return the link of `robot.planar()` that carries the body, and its position from the link's middle [m].
 
         Args:
-            robot: Whose module it is; its pitch joints are straight.
+            robot: Robot that the module belongs to; its pitch joints are straight.
 
         Raises:
             ValueError: If the robot has no such module.
@@ -148,17 +149,17 @@ class Mount:
         return plane.link[self.module], (plane.shift[self.module] + along, across)
 
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
-        """The angle of the link that a measured `rotation` means, in [-pi, pi] [rad].
+        """Return the link angle that follows from a measured `rotation`, to within whole turns [rad].
 
         Args:
-            rotation: From the body's axes to the world's.
+            rotation: Rotation from the body's axes to world axes.
         """
         return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
 
 
 @value
 class StateEstimator:
-    """From samples, one by one, to estimates: base of `Estimator` and `KinematicEstimator`. Its state is a value.
+    """Base class of `Estimator` and `KinematicEstimator`, which turn samples into estimates. The state is a value.
 
     Raises:
         ValueError: If a field is out of its range, or the robot has no module that carries the markers.
@@ -170,7 +171,7 @@ class StateEstimator:
     lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
 
     def __post_init__(self) -> None:
-        """Refuse a mount that is not on the robot."""
+        """Reject a mount that is not on the robot."""
         _ = self.on_link
 
     @cached_property
@@ -179,40 +180,40 @@ class StateEstimator:
         return self.mount.on_link(self.robot)
 
     def init(self) -> Any:
-        """The state before the first sample."""
+        """Return the state before the first sample."""
         raise NotImplementedError
 
     def step(self, state: Any, sample: Sample) -> Any:
-        """The state that follows `state` by one more `sample`.
+        """Return the state that follows `state` after one more `sample`.
 
         Args:
-            state: What is known so far.
-            sample: What was measured, and when.
+            state: State so far.
+            sample: Measurement and its time.
         """
         raise NotImplementedError
 
     def steps(self, state: Any, samples: Sequence[Sample]) -> Any:
-        """The state that follows `state` by several `samples` that came at once, in this order.
+        """Return the state that follows `state` after several `samples` that arrived at once, in this order.
 
         Args:
-            state: What is known so far.
-            samples: What was measured, in the order in which it is taken.
+            state: State so far.
+            samples: Measurements in the order in which they are processed.
         """
         for sample in samples:
             state = self.step(state, sample)
         return state
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
-        """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known.
+        """Return the estimate for `state`, at `time` [s] or at the last sample; None if it is not known yet.
 
         Args:
-            state: What is known so far.
-            time: The moment that is asked for; None: the last sample's [s].
+            state: State so far.
+            time: Requested time; None for that of the last sample [s].
         """
         raise NotImplementedError
 
     def status_at(self, age: float) -> Status:
-        """What the time since the last accepted frame, `age` [s], means.
+        """Return the status for the time since the last accepted frame, `age` [s].
 
         Args:
             age: Time since the last accepted frame [s].

@@ -1,7 +1,7 @@
-"""Stretches of time in which a robot's way is compared with that of its twin, which the robot's joints move.
+"""Stretches of time in which the motion of a robot is compared with that of its twin, driven by the robot's joints.
 
-A stretch is half a cycle of the gait. The twin swims all of them in one go, in still water; then each is compared for
-itself, with its middle and its mean heading unknown. See docs/theory/learning-twin.md.
+A stretch is half a gait cycle. The twin swims all stretches in one run, in still water; each is then compared
+separately, with its middle and its mean heading unknown. See docs/theory/learning-twin.md.
 """
 
 import math
@@ -24,30 +24,30 @@ from laticauda.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 
-TICKS, POINTS = 72, 12  # of a stretch: at which ways are compared; medians of so many parts of it count
-MARGIN, KNOT = 0.3, 0.1  # of samples around the stretches; between two knots of the joints' spline [s]
-TICK = 0.01  # between two samples of the twin [s]
-POSITION, HEADING = 1e-3, 3e-3  # in which deviations are told [m, rad]
+TICKS, POINTS = 72, 12  # per stretch: times at which motions are compared; parts whose medians are used
+MARGIN, KNOT = 0.3, 0.1  # margin of samples around the stretches; knot spacing of the joints' spline [s]
+TICK = 0.01  # sampling interval of the twin [s]
+POSITION, HEADING = 1e-3, 3e-3  # units of deviations [m, rad]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stretches:
-    """What was measured over some stretches of time, one right behind the other."""
+    """Measurements over consecutive stretches of time."""
 
     robot: Robot
-    """As it was built; its planar reduction counts."""
+    """Robot as built; its planar reduction is used."""
     mount: Mount
-    """Where the marker body sits."""
+    """Mount of the marker body."""
     bounds: Array
-    """Where the stretches begin, and the end of the last one, shape (n_stretches + 1,) [s]."""
+    """Start of each stretch, and the end of the last one, shape (n_stretches + 1,) [s]."""
     poses: Array
-    """Time [s], place of the marker body [m, m] and angle of its link [rad], shape (4, n_frames)."""
+    """Time [s], position of the marker body [m, m] and angle of its link [rad], shape (4, n_frames)."""
     joints: Array
     """Time [s], angles [rad] and torques [N m] of the joints, shape (1 + 2 n_joints, n_samples)."""
 
     @cached_property
     def ticks(self) -> Array:
-        """When ways are compared, shape (n_stretches, TICKS) [s]."""
+        """Times at which motions are compared, shape (n_stretches, TICKS) [s]."""
         return self.bounds[:-1, np.newaxis] + np.diff(self.bounds)[:, np.newaxis] * np.linspace(0.0, 1.0, TICKS)
 
     @cached_property
@@ -57,13 +57,13 @@ class Stretches:
 
     @cached_property
     def seen(self) -> Array:
-        """The marker body's x and y [m] and the angle of its link [rad], shape (3, n_stretches, TICKS)."""
+        """Marker body's x and y [m] and the angle of its link [rad], shape (3, n_stretches, TICKS)."""
         time, x, y, yaw = self.poses
         return np.stack(_at(self.ticks, time, (x, y, np.unwrap(yaw))))
 
     @cached_property
     def _reported(self) -> tuple[Array, Array]:
-        """The joints over the knots of a spline [s]: angles [rad], then the sides on which gears touch [-]."""
+        """Spline knots [s]; joint angles [rad], then the sides on which gears touch [-], at the knots."""
         time, n = self.joints[0], len(self.joints) // 2
         both = np.concatenate((self.joints[1 : 1 + n], np.tanh(self.joints[1 + n :] / PLAY_TORQUE))).T
         knots = np.arange(self.bounds[0] - MARGIN, self.bounds[-1] + MARGIN, KNOT)
@@ -74,15 +74,15 @@ class Stretches:
         return knots, np.array(fits).T
 
     def off(self, plant: Plant[Any], play: float, current: Array) -> tuple[Array, Array]:
-        """How far the robot is off the twin, and where the twin is: two coordinates and the heading.
+        """Return the deviation of the robot from the twin, and the twin's motion: two coordinates and the heading.
 
-        Both are turned as the robot is, and counted from the middle of each stretch, in units of `POSITION` and
+        Both are rotated to the robot's heading and relative to the middle of each stretch, in units of `POSITION` and
         `HEADING`; shape (3, n_stretches, TICKS).
 
         Args:
             plant: The twin, in still water, with prescribed joints.
-            play: Between a joint and its sensor [rad].
-            current: Velocity of the water, which the robot's way has and the twin's has not, shape (2,) [m/s].
+            play: Backlash between a joint and its sensor [rad].
+            current: Velocity of the water, part of the robot's motion but not of the twin's, shape (2,) [m/s].
         """
         x, y, yaw = self.seen
         ahead, aside, turned, joints = self._swum(plant, play)
@@ -95,7 +95,7 @@ class Stretches:
         return _way(place @ np.array([1.0, 1.0j]), towards, towards) - way, way
 
     def _swum(self, plant: Plant[Any], play: float) -> tuple[Array, Array, Array, Array]:
-        """The twin's x and y [m], heading and joint angles [rad] at the ticks, if its joints do what was reported."""
+        """Return the twin's x and y [m], heading and joint angles [rad] at the ticks, for the reported joint motion."""
         x, y, yaw = self.seen
         knots, (angles, sides) = self._reported[0], np.split(self._reported[1], 2)
         angles, begin = angles - 0.5 * play * sides, float(self.bounds[0])
@@ -109,17 +109,17 @@ class Stretches:
         return ahead, aside, turned, np.stack(joints, axis=-1)
 
     def compared(self, ways: Sequence[Array], way: Array) -> Array:
-        """Medians of the parts of every stretch, so that single wrong frames do not count.
+        """Return medians over parts of every stretch, so that single wrong frames have no effect.
 
-        What the unknown place and heading in each stretch explain is taken off.
+        Whatever the unknown position and heading of each stretch explain is removed.
 
         Args:
-            ways: As `off` gives them.
-            way: Of the twin.
+            ways: Motions as returned by `off`.
+            way: Motion of the twin.
 
         Returns:
-            A column for each of the `ways`, then for what brings the robot nearer to the twin: that it points 1 rad
-            elsewhere than is seen, and a current of 1 m/s along x and y; shape (n_stretches, 3 POINTS, n_ways + 3).
+            A column for each of the `ways`, then for each change that brings the robot closer to the twin: a heading
+            1 rad off the measured one, and a current of 1 m/s along x and y; shape (n_stretches, 3 POINTS, n_ways + 3).
         """
         none, one, ahead = np.zeros_like(self.ticks), np.ones_like(self.ticks), self.from_middle / POSITION
         turned = -way[1], way[0]
@@ -129,19 +129,19 @@ class Stretches:
 
 
 def _at(moments: Array, time: Array, columns: Sequence[Array]) -> list[Array]:
-    """Columns of a log at some moments, straight between its times."""
+    """Interpolate the columns of a log linearly at some moments."""
     return [np.interp(moments, time, one) for one in columns]
 
 
 def _way(place: Any, angle: Array, towards: Array) -> Array:
-    """A complex `place` and an `angle` from their middles, turned so that the angle is `towards` in the mean."""
+    """Center a complex `place` and an `angle`, rotated so that the mean angle is that of `towards`."""
     turn = np.exp(1j * np.mean(towards - angle, axis=1, keepdims=True))
     way = turn * (place - place.mean(axis=1, keepdims=True))
     return np.stack((way.real / POSITION, way.imag / POSITION, (angle - angle.mean(axis=1, keepdims=True)) / HEADING))
 
 
 def _binned(ways: Sequence[Any]) -> Array:
-    """Medians of `POINTS` equal parts of every stretch, a column for each way."""
+    """Return the medians of `POINTS` equal parts of every stretch, a column for each way."""
     parts = np.array(ways)
     middle = np.median(parts.reshape(*parts.shape[:-1], POINTS, -1), axis=-1)
     return np.moveaxis(middle, 2, 0).reshape(parts.shape[2], len(ways), -1).swapaxes(1, 2)

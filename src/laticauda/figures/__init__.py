@@ -1,4 +1,4 @@
-"""Pictures of trials: one function per figure, which takes data and axes and returns the axes."""
+"""Figures of trials: one function per figure, which takes data and axes and returns the axes."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,6 @@
-"""A film of a run in the plane, seen from above: the body where it is, and the way of its center of mass so far."""
+"""Film of a run in the plane, seen from above: the body, and the path of its center of mass so far."""
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownParameterType=false
 
 import base64
@@ -24,28 +24,28 @@ from laticauda.files import write
 from laticauda.pictures.render import write_video
 from laticauda.trial import Trial, following
 
-HEIGHT, LABELS = (1.2, 4.5), 1.1  # of the plan, and what title and labels take [in]
+HEIGHT, LABELS = (1.2, 4.5), 1.1  # of the plan view, and of title and labels [in]
 Draw = Callable[[int], Sequence[Artist]]
 FORMATS = {".gif": "GIF", ".webp": "WEBP"}
 
 
 class Film(FuncAnimation):
-    """matplotlib's animation, which notebooks show, and which is written in seconds: only what moves is drawn anew.
+    """A matplotlib animation that notebooks show, and that is written in seconds: only moving parts are redrawn.
 
     Args:
-        figure: Where.
-        draw: Draws a moment, and returns what moves.
-        moments: One for each picture.
-        frames_per_second: [1/s].
+        figure: Figure to draw on.
+        draw: Draws one instant, and returns the moving artists.
+        moments: Instants, one per frame.
+        frames_per_second: Frame rate [1/s].
     """
 
     def __init__(self, figure: Figure, draw: Draw, moments: list[int], frames_per_second: float) -> None:
         self._how = figure, draw, moments, 1e3 / frames_per_second
         super().__init__(figure, draw, moments, blit=True, interval=self._how[-1], cache_frame_data=False)  # pyright: ignore
-        self._draw_was_started = True  # one that nobody looks at is no mistake
+        self._draw_was_started = True  # an animation that is never shown is not a mistake
 
     def pictures(self) -> Iterator[np.ndarray]:
-        """All of it, one picture after the other."""
+        """Yield all frames in order."""
         figure, draw, moments, _ = self._how
         canvas: Any = figure.canvas
         for artist in draw(moments[0]):
@@ -60,12 +60,12 @@ class Film(FuncAnimation):
             yield pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2, :3].copy()
 
     def save(self, filename: str | Path, *how: Any, **more: Any) -> None:
-        """Write the film: .gif or .webp, or .mp4 with the program ffmpeg; other files as matplotlib writes them.
+        """Write the film: .gif or .webp, or .mp4 with the program ffmpeg; matplotlib writes all other files.
 
         Args:
-            filename: The file; an older one is replaced.
-            how: Arguments of matplotlib's `Animation.save`, which then writes it.
-            more: The same.
+            filename: The file; an existing one is replaced.
+            how: Arguments of matplotlib's `Animation.save`, which then writes the file.
+            more: Keyword arguments of `Animation.save`, which then writes the file.
         """
         ending = Path(filename).suffix.lower()
         if how or more or ending not in (*FORMATS, ".mp4"):
@@ -79,7 +79,7 @@ class Film(FuncAnimation):
 
     def _written(self, file: Any, form: str) -> None:
         pictures = [Image.fromarray(one) for one in self.pictures()]
-        if form == "GIF":  # a palette of each picture's own would take ten times as long
+        if form == "GIF":  # a separate palette for each frame would take ten times as long
             how: Any = {"method": Image.Quantize.FASTOCTREE, "dither": Image.Dither.NONE}
             pictures = [one.quantize(64, **how) for one in pictures]
         how = {"duration": self._how[-1], "loop": 0, "method": 1}
@@ -95,9 +95,9 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     """Show a run from above as a film.
 
     Args:
-        trial: Any trial, a failed one too; of one in space its plan.
-        speed: How many times as fast to show it [-].
-        frames_per_second: Pictures in a second of the film [1/s].
+        trial: Any trial, including a failed one; a trial in space is shown in plan view.
+        speed: Playback speed as a multiple of real time [-].
+        frames_per_second: Frame rate of the film [1/s].
     """
     step = positive("speed", speed) / positive("frames_per_second", frames_per_second, "1/s")
     moments = np.arange(trial.time[0], trial.time[-1] + 0.5 * step, step)

@@ -1,9 +1,9 @@
-"""The path of a run, with the body drawn along it in its postures, and the water under it.
+"""Path of a run, with the postures of the body drawn along it, and the water under it.
 
-Of the water there is the arrow of a current, or the field of a flow at one time.
+The water is shown as the arrow of a current, or as the field of a flow at one time.
 """
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 import math
@@ -29,16 +29,16 @@ from laticauda.trial import Trial
 Point = Float[np.ndarray, " 2"]
 Points = Float[np.ndarray, "n_points 2"]
 
-MARGIN = 0.05  # around the path, for the times beside the postures, as a share of its extent [-]
+MARGIN = 0.05  # around the path, for the times beside the postures, as a fraction of its extent [-]
 NOSE = 2.0  # length of the pointed front, in half widths
-MOST = 9  # postures along a path
-FADED = 0.65  # how much white is in the oldest posture
+MOST = 9  # largest number of postures along a path
+FADED = 0.65  # fraction of white in the oldest posture
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 25)
 _NOSE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
 
-ROW = 9.0  # height of the words above the upper right corner [pt]
+ROW = 9.0  # height of the text above the upper right corner [pt]
 BAR = 0.09  # width of the color bar [in]
-LEAST = 0.1  # that is shown along x and y [m]
+LEAST = 0.1  # smallest extent that is shown along x and y [m]
 PIXELS = 240  # of the shading, along its longer side
 # Pale, so that arrows and bodies stand out: from white, and from one color to another through white.
 SPEED = LinearSegmentedColormap.from_list("speed", ["#FFFFFF", "#CFE3F1", "#8DBBDC"])
@@ -46,13 +46,13 @@ HEIGHT = LinearSegmentedColormap.from_list("height", ["#8DBBDC", "#FFFFFF", "#EF
 
 
 def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
-    """The path of the center of mass, with the body drawn along it like a film strip, older postures lighter.
+    """Plot the path of the center of mass, with the body along it like a film strip, older postures lighter.
 
     The body has its real lengths and widths; the head is orange and pointed, a fin is a dark line at the tail.
 
     Args:
-        trial: Any trial, a failed one too.
-        ax: Where to draw; None: in a figure of its own, `ax.figure`.
+        trial: Any trial, including a failed one.
+        ax: Axes to draw on; None: those of a new figure, `ax.figure`.
     """
     ax = ax or style.new_figure(style.DOUBLE_COLUMN, 3.0).add_subplot()
     robot = trial.chain
@@ -72,7 +72,7 @@ def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
 
 
 def extent(trial: Trial) -> tuple[float, float]:
-    """Width and height that path and postures take, with room for the times [m]."""
+    """Return the width and height of path and postures, with space for the times [m]."""
     robot = trial.chain
     bodies = [outline(robot, trial, sample) for sample in instants(trial)]
     width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
@@ -81,11 +81,11 @@ def extent(trial: Trial) -> tuple[float, float]:
 
 
 def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: float) -> None:
-    """The time beside a posture: to its left, or on the outer side where the path is curved; else on the free side."""
+    """Add the time beside a posture: to its left, or on the outer side of a curved path; else on the free side."""
     path = trial.center_of_mass[:, :2]
     center, heading = path[sample], float(trial.heading[sample])
     ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
-    if is_crowded(trial):  # the bodies lie on each other: behind the first, and ahead of the last
+    if is_crowded(trial):  # the bodies overlap: behind the first, and ahead of the last
         side = ahead if sample else -ahead
         place = points[-1] if sample else points[0]
     else:
@@ -108,18 +108,18 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         path_effects=[withStroke(linewidth=2.0, foreground="white")],
         zorder=5,
     )
-    # The limits of axes do not mind texts; this point keeps room for it.
+    # The limits of axes ignore texts; this point reserves space for it.
     room = MARGIN * max(extent(trial)) * (1.0 + 1.5 * abs(side[0]))
     ax.update_datalim([tuple(place + room * side)])
 
 
 def _beside(center: Point, points: Points, side: Point, half_width: float) -> Point:
-    """The place just off the body on one side of it."""
+    """Return the point just off the body on one side of it."""
     return center + (np.max((points - center) @ side, initial=0.0) + half_width) * side
 
 
 def _gap(path: Points, place: Point) -> float:
-    """How far a place is from the path."""
+    """Return the distance of a point from the path."""
     return float(np.min(np.linalg.norm(path - place, axis=1)))
 
 
@@ -127,18 +127,18 @@ def _gap(path: Points, place: Point) -> float:
 
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
-    """Trailing edge, hinges of the fin, tail end, joints and head end of the body at a sample, in this order [m]."""
+    """Return trailing edge, fin hinges, tail end, joints and head end of the body at a sample, in this order [m]."""
     return posture(robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample])
 
 
 def posture(robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None) -> Points:
-    """The same of a center of mass [m] and link angles [rad]; without angles of the fin it is straight."""
+    """Return the `outline` of a center of mass [m] and link angles [rad]; without fin angles, the fin is straight."""
     bent = Posture(robot, center, angle, fin_angle)
     return np.vstack((bent.fin_line[:-1], bent.link_ends))
 
 
 def instants(trial: Trial) -> list[int]:
-    """Samples at which to draw the body: first, last, and as many between as fit without lying on each other."""
+    """Return the samples at which to draw the body: first, last, and as many in between as fit without overlap."""
     last = trial.time.size - 1
     lengths = _body_lengths(trial)
     if is_crowded(trial):
@@ -150,18 +150,18 @@ def instants(trial: Trial) -> list[int]:
 
 
 def is_crowded(trial: Trial) -> bool:
-    """Whether the robot swam so short a way that its first and its last posture lie on each other."""
+    """Return whether the robot swam so short a distance that its first and last postures overlap."""
     return _body_lengths(trial) < 1.0
 
 
 def _body_lengths(trial: Trial) -> float:
-    """Length of the path in lengths of the body with its fin, and a little room."""
+    """Return the length of the path in lengths of the body with its fin, including a small margin."""
     steps = np.diff(trial.center_of_mass[:, :2], axis=0)
     return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * trial.chain.reach)
 
 
 def _apart(trial: Trial, samples: list[int]) -> list[int]:
-    """Those samples whose bodies stay clear of all later ones; the last is always kept."""
+    """Return the samples whose bodies stay clear of all later ones; the last is always kept."""
     robot = trial.chain
     clearance = 2.5 * max(module.section.half_width for module in robot.modules)
     kept: list[int] = []
@@ -179,10 +179,10 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
     """Draw one posture.
 
     Args:
-        ax: Where.
-        robot: Whose body it is.
-        points: Its `outline` [m].
-        age: From 0, the newest and darkest, to 1 [-].
+        ax: Axes to draw on.
+        robot: Robot whose body is drawn.
+        points: `outline` of the body [m].
+        age: Age, from 0, the newest and darkest, to 1 [-].
     """
     order = 3.0 - age
     ends = points[-robot.n_links - 1 :]
@@ -201,9 +201,9 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
 
 
 def _draw_fin(ax: Axes, fin: CaudalFin, line: Points, age: float) -> None:
-    """The fin is a plate of some millimeters, seen from its edge: a line, thinner where its opening is."""
+    """Draw the fin, a plate a few millimeters thick seen edge-on, as a line that is thinner at its opening."""
     opening = 0.0 if fin.opening == "closed" else fin.opening_length
-    behind = [0.0, *(piece.end for piece in fin.pieces)]  # of the line's points, along the fin
+    behind = [0.0, *(piece.end for piece in fin.pieces)]  # positions of the line's points along the fin
     inner = np.array([np.interp(opening, behind, line[:, axis]) for axis in range(2)])
     k = int(np.searchsorted(behind, opening, side="right"))
     lines = LineCollection([np.vstack((line[:k], inner)), np.vstack((inner, line[k:]))], zorder=3.0 - age)
@@ -212,13 +212,13 @@ def _draw_fin(ax: Axes, fin: CaudalFin, line: Points, age: float) -> None:
 
 
 def _link(tail: Point, head: Point, half_width: float) -> Points:
-    """A rectangle around the line between the two ends of a link."""
+    """Return a rectangle around the line between the two ends of a link."""
     side = half_width * _normal(tail, head)
     return np.stack((tail + side, head + side, head - side, tail - side))
 
 
 def _head(tail: Point, head: Point, half_width: float) -> Points:
-    """The foremost link, with a pointed front so that one sees where it swims."""
+    """Return the foremost link, with a pointed front that shows the swimming direction."""
     length = float(np.linalg.norm(head - tail))
     nose = min(NOSE * half_width, length)
     along, side = (head - tail) / length, _normal(tail, head)
@@ -237,7 +237,7 @@ def _normal(tail: Point, head: Point) -> Point:
 
 
 def _faded(color: str, age: float) -> tuple[float, float, float]:
-    """A color, the whiter the older."""
+    """Return a color, whiter with increasing age."""
     red, green, blue = (1.0 - (1.0 - part) * (1.0 - FADED * age) for part in to_rgb(color))
     return red, green, blue
 
@@ -246,17 +246,17 @@ def _faded(color: str, age: float) -> tuple[float, float, float]:
 
 
 def draw_water(trial: Trial, ax: Axes) -> bool:
-    """How the water of a run moves: its current above the corner, or the field of its flow under the path.
+    """Draw the motion of a run's water: its current above the corner, or the field of its flow under the path.
 
-    Arrows stand for the velocity in the robot's level at the end of the run, shades for the elevation of the surface
-    if there are waves, else for the speed.
+    Arrows show the velocity at the robot's depth at the end of the run; shading shows the elevation of the surface if
+    there are waves, otherwise the speed.
 
     Args:
         trial: Any trial.
-        ax: With its path, in meters.
+        ax: Axes with its path, in meters.
 
     Returns:
-        Whether it has drawn a field, and so set the limits of the axes.
+        Whether a field was drawn, which sets the limits of the axes.
     """
     water = trial.environment
     if isinstance(water, Water) and water.flow is not None:
@@ -268,7 +268,7 @@ def draw_water(trial: Trial, ax: Axes) -> bool:
 
 
 def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
-    """Shades and arrows all over the axes, whose limits are set by that, with a key, a bar and the time."""
+    """Draw shading and arrows all over the axes, which sets their limits, with a key, a color bar and the time."""
     low, high = _corners(ax)
     time, depth = float(trial.time[-1]), water.depth or 0.0
     if trial.center_of_mass.shape[1] == 3:
@@ -306,7 +306,7 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
 
 
 def _add_bar(ax: Axes, image: AxesImage, label: str) -> None:
-    """What the shades stand for, to the right of the axes and as high as these."""
+    """Add the color bar of the shading, to the right of the axes and of the same height."""
     figure: Any = ax.get_figure(root=True)
     side = ax.inset_axes((1.02, 0.0, BAR / (ax.get_position().width * figure.get_figwidth()), 1.0))
     bar = figure.colorbar(image, cax=side)
@@ -317,7 +317,7 @@ def _add_bar(ax: Axes, image: AxesImage, label: str) -> None:
 
 
 def _corners(ax: Axes) -> tuple[np.ndarray, np.ndarray]:
-    """Of what is drawn, with its margins, and what beside it fills axes of equal scales."""
+    """Return the corners of the drawn area with its margins, extended to fill axes of equal scales."""
     figure: Any = ax.get_figure(root=True)
     box: Any = np.array(ax.get_position().size) * figure.get_size_inches()
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
@@ -327,14 +327,14 @@ def _corners(ax: Axes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _above_corner(ax: Axes) -> Transform:
-    """Points, counted from the upper right corner: what is drawn in them keeps its size and its direction."""
+    """Return a transform in points from the upper right corner, in which drawings keep their size and direction."""
     figure: Any = ax.get_figure(root=True)
     corner = ScaledTranslation(1.0, 1.0, ax.transAxes)  # pyright: ignore[reportArgumentType]  # any transform will do
     return Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + corner
 
 
 def _tell_current(ax: Axes, current: Sequence[float]) -> None:
-    """Strength and direction of the current, above the upper right corner."""
+    """Show strength and direction of the current above the upper right corner."""
     strength, in_points = math.hypot(*current), _above_corner(ax)
     x, y = (7.0 * part / strength for part in current)
     look: Any = {"xycoords": in_points, "color": style.INK, "annotation_clip": False}

@@ -1,6 +1,6 @@
-"""Many runs in one figure: the paths and speeds of some, one over the other, and what a sweep came to."""
+"""Several runs in one figure: overlaid paths and speeds, and the results of a sweep."""
 
-# matplotlib's and xarray's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's and xarray's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 import itertools
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
     import xarray
 
 SHOWN = {"forward_velocity": "forward velocity", "cost_of_transport": "cost of transport"}
-"""What of a sweep is drawn, and what an axis calls it."""
-HEIGHT = 3.0  # of a figure, beside its legend or head [in]
+"""Quantities of a sweep that are drawn, and their names on an axis."""
+HEIGHT = 3.0  # of a figure, without its legend or title [in]
 ROW = 0.2  # of a legend [in]
-CLEAR = 3.0  # a largest value that is so many times what nine tenths of all keep below would leave these dark
-MOST_MARKS = 40  # of points on a line
+CLEAR = 3.0  # a maximum of this many times the 90 % quantile would leave the other values dark
+MOST_MARKS = 40  # largest number of points on a line that are marked
 
 
 def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
-    """The paths of several trials, one over the other, and their speeds as means over a gait cycle.
+    """Plot the paths of several trials on top of each other, and their speeds as means over a gait cycle.
 
     Args:
-        trials: Any; of one without whole gait cycles the forward speed is drawn as it is.
-        names: What to call each.
+        trials: Any trials; for one without whole gait cycles, the forward speed itself is drawn.
+        names: Name of each trial.
     """
     figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT + ROW * math.ceil(len(trials) / 2))
     path, velocity = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
@@ -50,19 +50,19 @@ def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
 
 
 def _looks() -> list[tuple[str, Any]]:
-    """Colors and dashes of lines, all that differ."""
+    """Return all distinct combinations of line colors and dashes."""
     n = len(style.LINES)
     return [(style.LINES[i][0], style.LINES[(i + turn) % n][1]) for turn in range(n) for i in range(n)]
 
 
 def sweep_sheet(found: "xarray.Dataset") -> Figure:
-    """Forward velocity and cost of transport over what was varied: lines of one quantity, maps of two.
+    """Plot forward velocity and cost of transport over the varied quantities: lines for one, maps for two.
 
-    Of a grid of more, the map lies in the plane of the first two through the fastest point, and the figure says so; of
-    lists and samples, every point is a dot over the first two.
+    For a grid of more, the map lies in the plane of the first two through the fastest point, and the figure says so;
+    for lists and samples, every point is a dot over the first two.
 
     Args:
-        found: As `laticauda.studies.open_sweep` reads it.
+        found: Sweep as read by `laticauda.studies.open_sweep`.
     """
     found, names, held = _plane(found)
     figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT)
@@ -77,7 +77,7 @@ def sweep_sheet(found: "xarray.Dataset") -> Figure:
 
 
 def _plane(found: "xarray.Dataset") -> tuple["xarray.Dataset", list[str], str]:
-    """What is drawn of a sweep, over which one or two of its numbers, and in words what became of the others."""
+    """Return the part of a sweep to draw, the one or two quantities of its axes, and a text about the others."""
     names = [str(name) for name in found.coords if name != "trial"]
     varied = [name for name in names if np.unique(found[name].to_numpy()).size > 1] or names[:1]
     shown, others = varied[:2], varied[2:]
@@ -92,7 +92,7 @@ def _plane(found: "xarray.Dataset") -> tuple["xarray.Dataset", list[str], str]:
 
 
 def _over_one(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
-    """A line, with its points as far as they can be told."""
+    """Draw a line, with its points marked if they can be distinguished."""
     x, y = _read(found, names[0]), found[quantity].to_numpy()
     order = np.argsort(x)
     marker = "o" if x.size <= MOST_MARKS else ""
@@ -101,7 +101,7 @@ def _over_one(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
 
 
 def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
-    """A filled map of a grid, colored dots of anything else; what is far above the rest is as bright as can be."""
+    """Draw a filled map for a grid, colored dots for anything else; values far above the rest saturate."""
     x, y, values = *(_read(found, name) for name in names), found[quantity]
     known = values.to_numpy()[np.isfinite(values.to_numpy())]
     high = float(np.quantile(known, 0.9)) if known.size else 1.0
@@ -120,13 +120,13 @@ def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
 
 
 def _label(found: "xarray.Dataset", name: str) -> str:
-    """What an axis says, angles in degrees."""
+    """Return the label of an axis, with angles in degrees."""
     about = found[name].attrs
     unit = about["units"].replace("rad", "deg") if about["units"].startswith("rad") else about["units"]
     return f"{SHOWN.get(name, about['long_name'])} [{'-' if unit == '1' else unit}]"
 
 
 def _read(found: "xarray.Dataset", name: str) -> np.ndarray:
-    """Values as an axis has them, angles in degrees."""
+    """Return the values as plotted on an axis, with angles in degrees."""
     values = found[name].to_numpy()
     return np.degrees(values) if found[name].attrs["units"].startswith("rad") else values

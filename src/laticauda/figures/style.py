@@ -1,10 +1,10 @@
-"""What all figures have in common: sizes, colors and labels, for print at journal width.
+"""Common style of all figures: sizes, colors and labels, for print at journal width.
 
-Nothing global is touched, neither pyplot nor the settings of matplotlib, so that figures can be made in any thread and
-beside those of the user.
+No global state is changed, neither pyplot's nor matplotlib's settings, so that figures can be created in any thread and
+alongside those of the user.
 """
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 import functools
@@ -27,13 +27,13 @@ TICK = 8  # size of tick labels and legends [pt]
 THIN, LINE = 0.6, 1.2  # line widths [pt]
 DOTS_PER_INCH = 300
 
-# Okabe and Ito's colors, told apart by the color-blind; their lightness differs, so also in gray print.
+# Okabe and Ito's colors, distinguishable by the color-blind and, as their lightness differs, in gray print.
 INK = "#222222"
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
 AMBER = "#E69F00"
 GRAY = "#8A8A8A"
-# Of several lines, told apart by dashes too.
+# For several lines, which also differ in their dashes.
 LINES: tuple[tuple[str, Any], ...] = (
     (BLUE, "-"),
     (ORANGE, (0, (5, 2))),
@@ -41,13 +41,13 @@ LINES: tuple[tuple[str, Any], ...] = (
     (AMBER, (0, (5, 1, 1, 1))),
 )
 LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
-AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # what was to be reached, or was measured
+AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # targets and measured values
 
 Outside = Literal["outside lower center", "outside lower left", "outside right upper"]
 
 
 class Picture(Figure):
-    """A figure that notebooks show, pyplot or not."""
+    """A figure that notebooks show, with or without pyplot."""
 
     def _repr_png_(self) -> bytes:
         content = io.BytesIO()
@@ -56,11 +56,11 @@ class Picture(Figure):
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure that belongs to no window.
+    """Create an empty figure that belongs to no window.
 
     Args:
-        width: [in].
-        height: [in].
+        width: Width [in].
+        height: Height [in].
     """
     figure = Picture(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
@@ -71,13 +71,13 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
     """Write a figure to one file or several; the same figure always gives the same files.
 
     Args:
-        figure: Any figure; its layout is settled here.
-        paths: Their endings, .png, .pdf or .svg, say the formats.
+        figure: Any figure; its layout is fixed here.
+        paths: The files; their endings .png, .pdf or .svg determine the formats.
 
     Raises:
-        StorageFailed: If one cannot be written.
+        StorageFailed: If a file cannot be written.
     """
-    # A date or a version in the file would make every one different.
+    # A date or a version in a file would make every file different.
     metadata: dict[str, Any] = {".pdf": {"CreationDate": None, "Creator": None}, ".svg": {"Date": None}}
     settle(figure)
     for path in paths:
@@ -86,7 +86,7 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
 
 
 def settle(figure: Figure) -> None:
-    """Lay a figure out for good: else matplotlib draws all of it twice whenever it is drawn, for the layout."""
+    """Fix the layout of a figure; otherwise matplotlib draws everything twice each time, to compute the layout."""
     if (layout := figure.get_layout_engine()) is not None:
         before = figure.get_dpi()
         figure.set_dpi(DOTS_PER_INCH)
@@ -110,11 +110,11 @@ def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
 
 
 def head(figure: Figure, title: str, note: str = "") -> Text:
-    """A title above all panels, with a line under it; the layout keeps room for both.
+    """Add a title above all panels, with a line below it; the layout reserves space for both.
 
     Args:
         figure: Any figure of `new_figure`.
-        title: What it shows.
+        title: What the figure shows.
         note: The second line; "" for none.
     """
     shown = figure.suptitle(f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left")
@@ -123,74 +123,74 @@ def head(figure: Figure, title: str, note: str = "") -> Text:
 
 
 def legend(ax: Axes, **settings: Any) -> None:
-    """A legend without a frame."""
+    """Add a legend without a frame."""
     ax.legend(handlelength=1.6, borderaxespad=0.2, **LEGEND, **settings)
 
 
 def outside_legend(figure: Figure, handles: Sequence[Any], place: Outside, **settings: Any) -> None:
-    """A legend outside of all panels.
+    """Add a legend outside all panels.
 
     Args:
         figure: Any figure of `new_figure`.
-        handles: What it shows, each with its label.
-        place: Where.
-        settings: Further ones of matplotlib's.
+        handles: Artists to show, each with its label.
+        place: Location of the legend.
+        settings: Further settings of matplotlib's legend.
     """
     figure.legend(handles=handles, loc=place, **LEGEND, **settings)
 
 
 def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
-    """The letter of a panel above its left corner, with what it shows.
+    """Add the letter of a panel above its left corner, with a description.
 
     Args:
-        ax: Of the panel.
-        place: Of the panel, from 0.
-        words: "" for none.
-        pad: Between them and the panel [pt].
+        ax: Axes of the panel.
+        place: Index of the panel, from 0.
+        words: Description; "" for none.
+        pad: Space between the text and the panel [pt].
     """
     text = f"({'abcdefgh'[place]})  {words}" if words else f"({'abcdefgh'[place]})"
     ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
 
 
 def note(ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any) -> Text:
-    """Small words beside a place, gray if they do not say.
+    """Add a small text beside a point, gray unless specified otherwise.
 
     Args:
-        ax: Where to draw.
-        text: The words.
-        at: The place, in data if `look` does not say (`xycoords`).
-        shift: From there to the words [pt].
-        look: As for matplotlib's `annotate`.
+        ax: Axes to draw on.
+        text: The text.
+        at: The point, in data coordinates unless `look` specifies others (`xycoords`).
+        shift: Offset from the point to the text [pt].
+        look: Further arguments of matplotlib's `annotate`.
     """
     usual: dict[str, Any] = {"fontsize": TICK, "color": GRAY, **look}
     return ax.annotate(text, at, xytext=shift, textcoords="offset points", **usual)
 
 
 def points(marker: str, size: float, color: str = INK, **look: Any) -> dict[str, Any]:
-    """How marks without a line between them are drawn.
+    """Return the properties of markers without a line between them.
 
     Args:
-        marker: Their shape.
-        size: [pt].
-        color: Of face and edge, unless `look` has others.
+        marker: Shape of the markers.
+        size: Size [pt].
+        color: Color of face and edge, unless `look` specifies others.
         look: Further properties of matplotlib's lines.
     """
     return {"linestyle": "none", "marker": marker, "markersize": size, "color": color, **look}
 
 
 def light_grid(ax: Axes, axis: Literal["x", "y"]) -> None:
-    """Lines behind the data, from the ticks of one axis.
+    """Draw lines behind the data, at the ticks of one axis.
 
     Args:
-        ax: Where to draw.
-        axis: Which one.
+        ax: Axes to draw on.
+        axis: Axis whose ticks are used.
     """
     ax.grid(axis=axis, color="#E4E4E4", linewidth=THIN)
     ax.set_axisbelow(True)
 
 
 def joint_colors(n_joints: int) -> tuple[LinearSegmentedColormap, BoundaryNorm]:
-    """Colors of the joints, dark at the tail to light at the head: lightness falls evenly, also in gray print."""
+    """Return the joints' colors, dark at the tail to light at the head: lightness varies evenly, also in gray print."""
     stops = ["#0B1E4B", "#2C4A8C", "#4C7F9E", "#79A97E", "#BDB95A"]
     colors = LinearSegmentedColormap.from_list("joints", stops, N=max(n_joints, 2))
     return colors, BoundaryNorm([i - 0.5 for i in range(n_joints + 1)], colors.N)

@@ -1,9 +1,9 @@
-"""The figures of one run: speed, joint angles and torques, the followed path; sheets with all of them and the path.
+"""Figures of one run: speed, joint angles and torques, the followed path; sheets with all of them and the path.
 
-And how punctual the loop of an operated run was: the distribution of its period and its latency.
+Also the timing of the loop of an operated run: the distributions of its lateness and its latency.
 """
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Sequence
@@ -25,26 +25,26 @@ from laticauda.trial import Trial, cycles, following, measured_counterpart
 Series = Float[np.ndarray, "n_samples ..."]
 
 CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
-STRIP_HEIGHT = (0.85, 2.4)  # of the path, where it is above the other figures [in]
+STRIP_HEIGHT = (0.85, 2.4)  # of the path, if it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
-LABELS = 0.55  # height that title and labels of a figure take [in]
-FOLLOWED_HEIGHT, BELOW_HEIGHT = (0.9, 2.6), 1.8  # of a followed path, and of what is below it [in]
-TITLE = 0.6  # height that title, note and letters take above them [in]
-LEGEND = 0.4  # share of its axes that a legend is high [-]
-KINDS = {"lateness": style.BLUE, "latency": style.ORANGE}  # of the times of a loop
+LABELS = 0.55  # height of title and labels of a figure [in]
+FOLLOWED_HEIGHT, BELOW_HEIGHT = (0.9, 2.6), 1.8  # of a followed path, and of the panels below it [in]
+TITLE = 0.6  # height of title, note and letters above them [in]
+LEGEND = 0.4  # height of a legend as a fraction of its axes [-]
+KINDS = {"lateness": style.BLUE, "latency": style.ORANGE}  # colors of the times of a loop
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------
 
 
 def speed(trial: Trial, ax: Axes) -> Axes:
-    """Forward speed over time, its mean over the gait cycle around each moment, and what was measured, if it was.
+    """Plot forward speed over time, its mean over the gait cycle around each instant, and the measured one, if any.
 
     Forward is along the heading; the cycle mean is the displacement over one cycle / its duration.
 
     Args:
-        trial: Any trial, a failed one too.
-        ax: Where to draw.
+        trial: Any trial, including a failed one.
+        ax: Axes to draw on.
     """
     forward, mean = forward_speed(trial), cycle_mean_speed(trial)
     ax.plot(trial.time, forward, color=style.BLUE, linewidth=style.THIN, label="forward")
@@ -60,46 +60,46 @@ def speed(trial: Trial, ax: Axes) -> Axes:
 
 
 def forward_speed(trial: Trial) -> Series:
-    """Speed along the heading at every sample [m/s].
+    """Return the speed along the heading at every sample [m/s].
 
     Args:
-        trial: Any trial, a failed one too.
+        trial: Any trial, including a failed one.
     """
     ahead = np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
     return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
 
 
 def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
-    """Angles of all joints over time, in degrees, colored from tail to head.
+    """Plot the angles of all joints over time, in degrees, colored from tail to head.
 
     Args:
-        trial: Any trial, a failed one too.
-        ax: Where to draw.
-        last: Show only so much of the run's end [s]; None shows all of it.
-        scale: Put the color scale beside the axes.
+        trial: Any trial, including a failed one.
+        ax: Axes to draw on.
+        last: Show only this much of the end of the run [s]; None shows all of it.
+        scale: Whether to add the color scale beside the axes.
     """
     return _joints(trial, np.degrees(trial.joint_angle), ax, "joint angle [deg]", last, scale)
 
 
 def joint_torque(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
-    """Torques of all joints' drives over time, colored from tail to head.
+    """Plot the torques of all joint drives over time, colored from tail to head.
 
     Args:
-        trial: Any trial, a failed one too.
-        ax: Where to draw.
-        last: Show only so much of the run's end [s]; None shows all of it.
-        scale: Put the color scale beside the axes.
+        trial: Any trial, including a failed one.
+        ax: Axes to draw on.
+        last: Show only this much of the end of the run [s]; None shows all of it.
+        scale: Whether to add the color scale beside the axes.
     """
     return _joints(trial, trial.joint_torque, ax, "joint torque [N m]", last, scale)
 
 
 def swim_sheet(trial: Trial) -> Figure:
-    """One picture of a run, as wide as two columns of a journal: path, speed, joint angles and torques.
+    """Create a figure of a run, as wide as two journal columns: path, speed, joint angles and torques.
 
-    The joints are shown over the last cycles only. A long path lies above the rest, a curved one beside it.
+    The joints are shown over the last cycles only. A long path is above the other panels, a curved one beside them.
 
     Args:
-        trial: Any trial, a failed one too.
+        trial: Any trial, including a failed one.
     """
     width, height = extent(trial)
     last = None if trial.period is None else CYCLES_SHOWN * trial.period
@@ -120,7 +120,7 @@ def swim_sheet(trial: Trial) -> Figure:
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)
-    if grid.ncols == 2:  # one above the other
+    if grid.ncols == 2:  # stacked panels
         angle.set_xlabel("")
         figure.align_ylabels([velocity, angle, torque])
     _scale(figure, trial, [torque] if grid.ncols == 3 else [angle, torque])
@@ -128,10 +128,10 @@ def swim_sheet(trial: Trial) -> Figure:
 
 
 def sheet(trial: Trial) -> Figure:
-    """The one picture that shows most of a run: `follow_sheet` of one that followed a path, else `swim_sheet`.
+    """Create the figure that shows most of a run: `follow_sheet` if it followed a path, otherwise `swim_sheet`.
 
     Args:
-        trial: Any trial, a failed one too.
+        trial: Any trial, including a failed one.
     """
     return follow_sheet(trial) if "cross_track_error" in trial.signals else swim_sheet(trial)
 
@@ -140,7 +140,7 @@ def sheet(trial: Trial) -> Figure:
 
 
 def _add_legend(ax: Axes, late: Series) -> None:
-    """A legend where it covers no line: below the speeds, or else above them, in room made for it."""
+    """Add a legend where it covers no line: below the speeds, or else above them, in extra space."""
     low, high = ax.get_ylim()
     if np.min(late, initial=high) < low + LEGEND * (high - low):
         ax.set_ylim(low, high + LEGEND / (1.0 - LEGEND) * (high - low))
@@ -166,7 +166,7 @@ def _joints(trial: Trial, values: Series, ax: Axes, label: str, last: float | No
 
 
 def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
-    """The color scale of the joints, from tail to head."""
+    """Add the color scale of the joints, from tail to head."""
     n_joints = trial.joint_angle.shape[1]
     if figure is None or n_joints == 0:
         return
@@ -180,10 +180,10 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
 
 
 def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
-    """Times [s] and displacement over the cycle around each / its duration [m/s]; None where there is no whole cycle.
+    """Return times [s] and displacement over the cycle around each / its duration [m/s]; None without a whole cycle.
 
     Args:
-        trial: Any trial, a failed one too.
+        trial: Any trial, including a failed one.
     """
     if trial.period is None:
         return None
@@ -197,16 +197,16 @@ def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
 
 
 def title_of(trial: Trial) -> str:
-    """Who swims how, in a line."""
+    """Return a one-line description of robot and motion."""
     return ", ".join(words(trial))
 
 
 def _from_to(ax: Axes, time: Series) -> None:
-    """The whole of the time from side to side."""
+    """Let the time axis span exactly the given times."""
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
-        # Few ticks whatever the width: with more, the layout finds out too late that the last label needs room; and
-        # fractions of a second are long to write.
+        # Few ticks regardless of the width: with more, the layout notices too late that the last label needs space,
+        # and fractions of a second have long labels.
         few = 2 if time[-1] - time[0] < 1.0 else 5
         ax.xaxis.set_major_locator(MaxNLocator(few, steps=[1, 2, 5, 10]))
 
@@ -215,11 +215,11 @@ def _from_to(ax: Axes, time: Series) -> None:
 
 
 def path_beside(trial: Trial, ax: Axes) -> Axes:
-    """The path strip with the path that was to be followed, as far as the robot was beside it.
+    """Plot the path strip with the desired path, as far as the robot was beside it.
 
     Args:
         trial: A run with the signals of path following.
-        ax: Where to draw.
+        ax: Axes to draw on.
     """
     path_strip(trial, ax)
     ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
@@ -231,11 +231,11 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
 
 
 def cross_track_error(trial: Trial, ax: Axes) -> Axes:
-    """Distance from the path over time, positive to the left.
+    """Plot the distance from the path over time, positive to the left.
 
     Args:
         trial: A run with the signals of path following.
-        ax: Where to draw.
+        ax: Axes to draw on.
     """
     ax.axhline(0.0, **style.AIM)
     ax.plot(trial.time, trial.signals["cross_track_error"], color=style.BLUE, linewidth=style.LINE)
@@ -244,28 +244,29 @@ def cross_track_error(trial: Trial, ax: Axes) -> Axes:
 
 
 def heading_against_reference(trial: Trial, ax: Axes) -> Axes:
-    """Heading as the controller sees it, and the heading that guidance asks for, over time.
+    """Plot the heading used by the controller, and the reference heading of the guidance, over time.
 
     Args:
         trial: A run with the signals of path following.
-        ax: Where to draw.
+        ax: Axes to draw on.
     """
     used, reference = (np.degrees(trial.signals[name]) for name in ("heading_used", "heading_ref"))
     ax.plot(trial.time, used, color=style.BLUE, linewidth=style.THIN, label="heading")
     ax.plot(trial.time, reference, label="reference", **style.AIM)
     _from_to(ax, trial.time)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high + 0.35 * (high - low))  # room for the legend
+    ax.set_ylim(low, high + 0.35 * (high - low))  # space for the legend
     style.legend(ax, loc="upper right", ncols=2)
     return style.dress(ax, xlabel="time [s]", ylabel="heading [deg]")
 
 
 def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
-    """All of a path-following run in one picture: the way with body postures, cross-track error, heading.
+    """Create one figure of a path-following run: path with body postures, cross-track error, heading.
 
     Args:
         trial: A run with the signals of path following.
-        title: Above all panels, which then have letters as the paper's Figs. 12 to 23; "": who swims how, no letters.
+        title: Title above all panels, which then have letters as in the paper's Figs. 12 to 23; "": that of
+            `title_of`, no letters.
         note: A second line under the title; "" for none.
     """
     wide, high = extent(trial)
@@ -285,19 +286,19 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
     return figure
 
 
-# ---- punctuality ---------------------------------------------------------------------------------------------------
+# ---- timing of the loop --------------------------------------------------------------------------------------------
 
 
 def timing_sheet(
     lateness: Float[np.ndarray, " n_ticks"], latency: Float[np.ndarray, " n_ticks"], interval: float, *, note: str = ""
 ) -> Figure:
-    """Both distributions of a loop in one picture.
+    """Plot both timing distributions of a loop in one figure.
 
     Args:
-        lateness: From when a tick was due until it began [s].
-        latency: From when a tick was due until its last frame was sent [s].
-        interval: Between two ticks, as asked for [s].
-        note: What else there is to say, behind the ticks and the missed deadlines.
+        lateness: Time from when a tick was due until it began [s].
+        latency: Time from when a tick was due until its last frame was sent [s].
+        interval: Nominal time between two ticks [s].
+        note: Further text, after the numbers of ticks and missed deadlines.
     """
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
     left, right = figure.subplots(1, 2)
@@ -312,13 +313,13 @@ def timing_sheet(
 def plot_timing(
     ax: Axes, values: Float[np.ndarray, " n_ticks"], interval: float, kind: Literal["lateness", "latency"]
 ) -> Axes:
-    """Share of the ticks beyond a time, with the median, the percentile 99.9 and the largest marked.
+    """Plot the share of ticks beyond a time, with the median, the 99.9th percentile and the maximum marked.
 
     Args:
-        ax: To draw on.
-        values: Of every tick [s].
-        interval: Between two ticks, as asked for: beyond it a latency misses its deadline [s].
-        kind: Which of both they are.
+        ax: Axes to draw on.
+        values: Value for every tick [s].
+        interval: Nominal time between two ticks; a latency beyond it misses its deadline [s].
+        kind: Which of the two the values are.
     """
     sorted_ms = 1e3 * np.sort(values)
     n = sorted_ms.size

@@ -1,4 +1,4 @@
-"""Loads of the water and of the ground on one element: drag laws as values, and the plate of a pectoral fin."""
+"""Loads of water or ground on one element: drag laws as values, and the plate of a pectoral fin."""
 
 from laticauda.fluid.laws import CoulombFriction as CoulombFriction, DragLaw as DragLaw, Element as Element
 from laticauda.fluid.laws import FunctionDrag as FunctionDrag, PolynomialDrag as PolynomialDrag

@@ -1,25 +1,26 @@
-"""Eddies: vortices about vertical axes, the street of them behind a cylinder, and turbulence.
+"""Eddies: vortices about vertical axes, the vortex street behind a cylinder, and turbulence.
 
 The velocity around a vortex of circulation Gamma (Lamb and Oseen) at the distance r from its axis is
 
     Gamma / (2 pi r) (1 - exp(-r^2 / r_c^2)),    r_c^2 = core^2 + 4 nu t
 
-Behind a cylinder of diameter D in a stream U, vortices leave at the frequency St U / D, in turn on either side. In the
-stable street the rows are .281 of their spacing l apart, and it moves through the water at Gamma / (sqrt(8) l) (von
-Karman); so spacing and circulation follow from the share of U at which the street moves over ground.
+Behind a cylinder of diameter D in a stream U, vortices are shed at the frequency St U / D, alternately on either side.
+In the stable street the rows are .281 of their spacing l apart, and it moves through the water at Gamma / (sqrt(8) l)
+(von Karman); spacing and circulation therefore follow from the share of U at which the street moves over ground.
 
-Turbulence is a sum of Fourier modes, each free of divergence:
+Turbulence is a sum of Fourier modes, each divergence-free:
 
     u = sum of a_n cos(k_n . (x - U t) - omega_n t + phi_n),    a_n at right angles to k_n
 
 Wave vectors, directions and phases are drawn from a seed (after Kraichnan, Phys. Fluids 13, 1970; not read). Between
-the wave numbers of the largest and the smallest eddies the energy falls as k^(-5/3), and there is none outside:
+the wave numbers of the largest and the smallest eddies the energy falls as k^(-5/3), and it is zero outside:
 
     E(k) ~ k^(-5/3) for 2 pi / largest < k < 2 pi / smallest,    integral of E = 3/2 intensity^2
 
-That range is cut into bands of equal ratio, and each mode has the energy of its band, |a_n|^2 / 4, at a wave number
-drawn from it. The pattern is carried along by the mean velocity U (Taylor's hypothesis). It is frozen, or evolves:
-omega_n is then drawn from a normal distribution as wide as `evolution` times an eddy's own rate, sqrt(k^3 E(k)).
+That range is divided into bands of equal ratio, and each mode has the energy of its band, |a_n|^2 / 4, at a wave number
+drawn from the band. The mean velocity U carries the pattern along (Taylor's hypothesis). The pattern is frozen or
+evolves: omega_n is then drawn from a normal distribution with a width of `evolution` times an eddy's own rate,
+sqrt(k^3 E(k)).
 """
 
 import math
@@ -35,12 +36,12 @@ from laticauda.quantities import quantity, value
 from laticauda.scalars import where
 
 ROWS_APART = math.asinh(1.0) / math.pi  # of the spacing, .281
-SMALL = 0.02  # of r^2 / r_c^2, below which series are taken
-FADE = 0.06  # share of a street over which a vortex grows, and fades away at its end
+SMALL = 0.02  # value of r^2 / r_c^2 below which series are used
+FADE = 0.06  # share of a street over which a vortex grows, and over which it fades at the end
 
 
 def lamb_oseen(q: float) -> tuple[float, float, float]:
-    """(1 - exp(-q)) / q, its slope, and exp(-q); by series near 0, where both are 0/0.
+    """Return (1 - exp(-q)) / q, its slope, and exp(-q); the first two by series near 0, where they are 0/0.
 
     Args:
         q: r^2 / r_c^2, not negative [-].
@@ -55,16 +56,16 @@ def lamb_oseen(q: float) -> tuple[float, float, float]:
 
 
 def around(x: float, y: float, g: float, slope: float, g_t: float, c_x: float, c_y: float) -> tuple[float, ...]:
-    """The motion around an axis that moves: velocity g (-y, x), with g a function of r^2 and t.
+    """Return the motion around a moving axis: velocity g (-y, x), with g a function of r^2 and t.
 
     Args:
-        x: From the axis [m].
-        y: The same [m].
-        g: [1/s].
-        slope: Of g with r^2 [1/(m^2 s)].
-        g_t: Rate of g at a fixed r [1/s^2].
-        c_x: Velocity of the axis [m/s].
-        c_y: The same [m/s].
+        x: Distance from the axis along x [m].
+        y: Distance from the axis along y [m].
+        g: Angular velocity g [1/s].
+        slope: Derivative of g with respect to r^2 [1/(m^2 s)].
+        g_t: Rate of change of g at a fixed r [1/s^2].
+        c_x: Velocity of the axis along x [m/s].
+        c_y: Velocity of the axis along y [m/s].
     """
     u_x, u_y = -2.0 * slope * x * y, -g - 2.0 * slope * y * y
     v_x, v_y = g + 2.0 * slope * x * x, 2.0 * slope * x * y
@@ -74,7 +75,7 @@ def around(x: float, y: float, g: float, slope: float, g_t: float, c_x: float, c
 
 @value
 class LambOseen(Flow):
-    """A vortex with a smooth core, which grows as the water's (or an eddy) viscosity spreads it."""
+    """A vortex with a smooth core that grows by viscosity (of the water or an eddy viscosity)."""
 
     circulation: float = quantity("m^2/s", "Gamma, positive counter-clockwise from above")
     core: float = quantity("m", "r_c at the start", gt=0.0)
@@ -85,7 +86,7 @@ class LambOseen(Flow):
     viscosity: float = quantity("m^2/s", "nu; of water 1e-6, of eddies more", ge=0.0, default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water, see `Flow.__call__`."""
+        """Return the motion of the water, see `Flow.__call__`."""
         dx, dy = x - self.x - self.velocity_x * t, y - self.y - self.velocity_y * t
         wide = self.core * self.core + 4.0 * self.viscosity * t
         h, slope, fall = lamb_oseen((dx * dx + dy * dy) / wide)
@@ -96,13 +97,13 @@ class LambOseen(Flow):
 
 @value
 class _Shed(LambOseen):
-    """One vortex of a street: it leaves the cylinder, goes downstream, fades away, and begins anew; its core stays."""
+    """One vortex of a street: it leaves the cylinder, drifts downstream, fades, and restarts; its core is constant."""
 
     life: float = quantity("s", "From one begin to the next", gt=0.0)
     born: float = quantity("s", "When it leaves for the first time")
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water, see `Flow.__call__`."""
+        """Return the motion of the water, see `Flow.__call__`."""
         share = (t - self.born) / self.life
         share = share - np.floor(share.real)
         dx, dy = x - self.x - self.velocity_x * self.life * share, y - self.y - self.velocity_y * self.life * share
@@ -119,10 +120,10 @@ class _Shed(LambOseen):
 
 @value
 class KarmanStreet(Flow):
-    """The street of vortices behind a vertical cylinder in a stream, with the stream.
+    """The vortex street behind a vertical cylinder in a stream, including the stream.
 
-    Vortices grow to their strength close behind the cylinder, go downstream and fade away at the street's end; what the
-    cylinder itself does to the water around it is left out.
+    Vortices grow to full strength close behind the cylinder, drift downstream and fade at the end of the street; the
+    effect of the cylinder itself on the water around it is neglected.
     """
 
     speed: float = quantity("m/s", "U, of the stream", gt=0.0, default=0.2)
@@ -143,22 +144,22 @@ class KarmanStreet(Flow):
 
     @property
     def frequency(self) -> float:
-        """At which vortices of one side leave [Hz]."""
+        """Frequency at which the vortices of one side are shed [Hz]."""
         return self.strouhal * self.speed / self.diameter
 
     @property
     def spacing(self) -> float:
-        """l, of the vortices of one side [m]."""
+        """Spacing l of the vortices of one side [m]."""
         return self.street_speed * self.speed / self.frequency
 
     @property
     def circulation(self) -> float:
-        """Of each vortex [m^2/s]."""
+        """Circulation of each vortex [m^2/s]."""
         return math.sqrt(8.0) * self.spacing * (1.0 - self.street_speed) * self.speed
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """The stream, and both rows."""
+        """The stream and both rows of vortices."""
         c, s, pace = math.cos(self.direction), math.sin(self.direction), self.street_speed * self.speed
         aside, life = 0.5 * ROWS_APART * self.spacing, self.pairs / self.frequency
         rows = [
@@ -180,7 +181,7 @@ class KarmanStreet(Flow):
 
 @value
 class _Mode(Flow):
-    """One wave of velocity."""
+    """One Fourier mode of the velocity."""
 
     a_x: float = quantity("m/s", "Amplitude")
     a_y: float = quantity("m/s", "The same")
@@ -192,7 +193,7 @@ class _Mode(Flow):
     phase: float = quantity("rad", "At the origin at the start")
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water, see `Flow.__call__`."""
+        """Return the motion of the water, see `Flow.__call__`."""
         angle = self.k_x * x + self.k_y * y + self.k_z * z - self.omega * t + self.phase
         c, s = np.cos(angle), np.sin(angle)
         s_x, s_y, s_z = self.a_x * s, self.a_y * s, self.a_z * s
@@ -205,7 +206,7 @@ class _Mode(Flow):
 
 @value
 class Turbulence(Flow):
-    """Homogeneous and isotropic turbulence, and the mean velocity that carries it."""
+    """Homogeneous isotropic turbulence and the mean velocity that carries it."""
 
     intensity: float = quantity("m/s", "Root mean square of each component of the velocity", ge=0.0, default=0.03)
     largest: float = quantity("m", "Wave length of the largest eddies", gt=0.0, default=4.0)
@@ -216,13 +217,13 @@ class Turbulence(Flow):
     seed: int = quantity("", "Of the random numbers", ge=0, default=0)
 
     def __post_init__(self) -> None:
-        """Refuse eddies the smallest of which are the largest."""
+        """Reject smallest eddies that are not smaller than the largest."""
         if not self.smallest < self.largest:
             raise BadArgument("smallest", f"must be < {self.largest:g} m, the largest eddies, got {self.smallest:g}")
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """The modes, and the mean if there is one."""
+        """The modes, and the mean flow if there is one."""
         random, n = np.random.default_rng(self.seed), self.modes
         edges = 2.0 * math.pi / self.largest * (self.largest / self.smallest) ** (np.arange(n + 1) / n)
         energy = -np.diff(edges ** (-2.0 / 3.0))

@@ -1,16 +1,16 @@
 """Water that moves in space and time: flows that own their numbers.
 
-A flow is a frozen value below `Flow`: its fields are its numbers, its `__call__` says how the water moves at a place
-and a time. It stands in the water: `Water.current`. Python calls it as it stands, and the kernels compile it
-(`laticauda.formulas`); one's own is a class like those of the modules beside this one, or a `FunctionFlow`.
+A flow is a frozen value derived from `Flow`: its fields are its numbers, its `__call__` gives the motion of the water
+at a point and a time. It is part of the water: `Water.current`. Python calls it directly, and the kernels compile it
+(`laticauda.formulas`). A user's flow is a class like those in the neighboring modules, or a `FunctionFlow`.
 
-A flow is the sum of its `parts`, each with a formula and up to `formulas.MOST_NUMBERS` numbers: of itself where it has
-a formula, of many waves where it is a sea. So the numbers of parts are rows of the kernels, like those of drag laws,
-and sums of flows are flows.
+A flow is the sum of its `parts`, each with a formula and up to `formulas.MOST_NUMBERS` numbers: a flow with a formula
+is its own only part, a sea consists of many waves. The numbers of parts are therefore rows of the kernels, like those
+of drag laws, and sums of flows are flows.
 
-Formulas are compiled, so this module and those of flows do without jaxtyping, whose checker wraps functions.
+Formulas are compiled, so this module and those of flows avoid jaxtyping, whose checker wraps functions.
 
-Axes are the world's: z is up, and 0 the mean surface. Formulas hold for floats, complex numbers, lanes and arrays as
+Axes are world axes: z is up, and 0 at the mean surface. Formulas work for floats, complex numbers, lanes and arrays, as
 those of drag laws do (`laticauda.fluid.laws`).
 """
 
@@ -26,24 +26,24 @@ from laticauda.formulas import Formula, Law, OfFunction
 from laticauda.quantities import option, told, value
 
 STEP = 1e-4
-"""Of differences, in m and s: right to (k STEP)^2 / 6 for waves of number k, and to 1e-12 / STEP of the velocity."""
+"""Step of differences, in m and s; errors: (k STEP)^2 / 6 for waves of number k, and 1e-12 / STEP of the velocity."""
 
 
 class Motion(NamedTuple):
-    """How the water moves at a place, world axes; what a formula returns."""
+    """Motion of the water at a point, world axes; the result of a formula."""
 
     u: float
     """Velocity along x [m/s]."""
     v: float
-    """Along y [m/s]."""
+    """Velocity along y [m/s]."""
     w: float
-    """Upward [m/s]."""
+    """Velocity upward [m/s]."""
     u_t: float
-    """Rate of u where it is [m/s^2]."""
+    """Rate of change of u at the fixed point [m/s^2]."""
     v_t: float
     w_t: float
     u_x: float
-    """Change of u with x [1/s]."""
+    """Derivative of u with respect to x [1/s]."""
     u_y: float
     u_z: float
     v_x: float
@@ -53,11 +53,11 @@ class Motion(NamedTuple):
     w_y: float
     w_z: float
     elevation: float
-    """Of the surface above its mean [m]."""
+    """Elevation of the surface above its mean [m]."""
 
 
 class Felt(NamedTuple):
-    """What a small body meets there, world axes; each of these is a component."""
+    """Motion of the water as it acts on a small body, world axes; each field is one component."""
 
     u: float
     """Velocity of the water [m/s]."""
@@ -72,14 +72,14 @@ class Felt(NamedTuple):
     s_y: float
     s_z: float
     elevation: float
-    """Of the surface above its mean [m]."""
+    """Elevation of the surface above its mean [m]."""
 
 
 def felt(motion: Motion) -> Felt:
-    """Velocity, material acceleration and rotation: Du/Dt = u_t + (u . grad) u, curl u / 2.
+    """Return velocity, material acceleration and rotation: Du/Dt = u_t + (u . grad) u, curl u / 2.
 
     Args:
-        motion: Of the water at a place.
+        motion: Motion of the water at a point.
     """
     u, v, w, u_t, v_t, w_t, u_x, u_y, u_z, v_x, v_y, v_z, w_x, w_y, w_z, elevation = motion
     a_x = u_t + u * u_x + v * u_y + w * u_z
@@ -89,7 +89,7 @@ def felt(motion: Motion) -> Felt:
 
 
 class Flow(Law, Extensible, group="flows"):
-    """Base of flows: a value whose fields are its numbers.
+    """Base class of flows: a value whose fields are its numbers.
 
     Example:
         >>> from laticauda.fluid.flow import FunctionFlow
@@ -99,46 +99,46 @@ class Flow(Law, Extensible, group="flows"):
     """
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The motion of the water at a place and a time.
+        """Return the motion of the water at a point and a time.
 
         Args:
-            x: World axes [m].
-            y: The same [m].
-            z: The same, above the mean surface [m].
-            t: Since the start of the run [s].
+            x: World coordinate x [m].
+            y: World coordinate y [m].
+            z: Height above the mean surface [m].
+            t: Time since the start of the run [s].
 
         Returns:
-            The 16 numbers of a `Motion`, or u, v and w alone: then the others are central differences, and the surface
+            The 16 numbers of a `Motion`, or only u, v and w: the others are then central differences, and the surface
             stays level.
         """
         return self.motion(x, y, z, t)
 
     @property
     def parts(self) -> tuple["Flow", ...]:
-        """What it is the sum of: flows with formulas."""
+        """Flows with formulas whose sum this flow is."""
         return (self,)
 
     @property
     def constant(self) -> tuple[float, float, float] | None:
-        """Its velocity, if that is the same everywhere at all times [m/s]."""
+        """Velocity of the flow if it is the same everywhere at all times [m/s]."""
         return None
 
     def at_height(self, z: float) -> "Flow":
-        """The same at one height [m], where it is asked for at no other: a part may be cheaper there."""
+        """Return an equivalent flow for use at one height only [m], where a part may be cheaper."""
         return self
 
     def __add__(self, other: "Flow") -> "Sum":
-        """Both at once."""
+        """Return the sum of both flows."""
         return Sum(flows=(*getattr(self, "flows", (self,)), *getattr(other, "flows", (other,))))
 
     def motion(self, x: Any, y: Any, z: Any, t: Any) -> Motion:
-        """All that is known of the water's motion at a place, or at arrays of them, in plain Python.
+        """Return the full motion of the water at a point or at arrays of points, in plain Python.
 
         Args:
-            x: World axes [m].
-            y: The same [m].
-            z: The same, above the mean surface [m].
-            t: Since the start of the run [s].
+            x: World coordinate x [m].
+            y: World coordinate y [m].
+            z: Height above the mean surface [m].
+            t: Time since the start of the run [s].
         """
         found: Any = (0.0,) * len(Motion._fields)
         for part in self.parts:
@@ -149,28 +149,28 @@ class Flow(Law, Extensible, group="flows"):
         return Motion(*found)
 
     def felt(self, x: Any, y: Any, z: Any, t: Any) -> Felt:
-        """What a small body meets there, see `motion`."""
+        """Return the motion of the water as it acts on a small body, see `motion`."""
         return felt(self.motion(x, y, z, t))
 
     def velocity(self, points: np.ndarray, t: Any) -> np.ndarray:
-        """Velocity of the water at many points.
+        """Return the velocity of the water at many points.
 
         Args:
-            points: World axes, shape (..., 3) [m].
-            t: Since the start of the run, one for all or one for each [s].
+            points: Points in world axes, shape (..., 3) [m].
+            t: Time since the start of the run, one for all points or one for each [s].
 
         Returns:
-            Of the same shape [m/s].
+            Velocities, in the shape of `points` [m/s].
         """
         x, y, z = np.moveaxis(np.asarray(points, dtype=float), -1, 0)
         return np.stack(np.broadcast_arrays(*self.motion(x, y, z, t)[:3], x)[:3], axis=-1)
 
     @property
     def moving(self) -> Formula:
-        """The formula with all 16 numbers, derivatives by differences if its own has the velocity alone.
+        """Formula with all 16 numbers; derivatives are differences if the flow's own formula returns velocity only.
 
         Raises:
-            ValueError: If it returns neither 3 nor 16 numbers.
+            ValueError: If the formula returns neither 3 nor 16 numbers.
         """
         formula = self.formula
         found: Any = formula.function(self, 0.1, 0.2, -0.3, 0.4)
@@ -183,10 +183,10 @@ class Flow(Law, Extensible, group="flows"):
         return Formula(name=formula.name, function=differentiated(formula.function), fields=formula.fields)
 
     def check(self) -> None:
-        """Refuse a flow that kernels cannot compile.
+        """Reject a flow that the kernels cannot compile.
 
         Raises:
-            ValueError: With the reason.
+            ValueError: If the flow cannot be compiled; the message gives the reason.
         """
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
@@ -195,30 +195,30 @@ class Flow(Law, Extensible, group="flows"):
 
     @property
     def limits(self) -> str:
-        """For what places and times alone it is known, in words; "": for all."""
+        """Description of the places and times to which the flow is limited; "": unlimited."""
         return " and ".join(filter(None, (flow.limits for flow in getattr(self, "flows", ()))))
 
     @property
     def words(self) -> str:
-        """What it is, for people: its name and its numbers that are not 0, with their units, angles in degrees."""
+        """Description of the flow: its name and its nonzero numbers, with their units, angles in degrees."""
         parts = [f"{name.replace('_', ' ')} {one}" for name, one in told(self).items()]
         return ", ".join([name_of(type(self)).replace("-", " "), *parts])
 
 
 @value
 class Sum(Flow):
-    """Several flows at once: their velocities, their gradients and what they do to the surface add up."""
+    """Sum of several flows: their velocities, gradients and surface elevations are added."""
 
     flows: tuple[Flow, ...] = option("What is added up")
 
     @property
     def parts(self) -> tuple[Flow, ...]:
-        """Those of all."""
+        """Parts of all flows."""
         return tuple(chain.from_iterable(flow.parts for flow in self.flows))
 
     @property
     def constant(self) -> tuple[float, float, float] | None:
-        """The sum, if all are constant."""
+        """Sum of the velocities if all flows are constant."""
         found = [flow.constant for flow in self.flows]
         if any(one is None for one in found):
             return None
@@ -227,51 +227,51 @@ class Sum(Flow):
 
     @property
     def words(self) -> str:
-        """Theirs."""
+        """Descriptions of all flows."""
         return " and ".join(flow.words for flow in self.flows)
 
 
 @value
 class FunctionFlow(OfFunction, Flow):
-    """A plain function as a flow: it takes what a flow takes, and what it closes over is compiled into it.
+    """A plain function as a flow, with the arguments of a flow; the values it closes over are compiled into it.
 
-    It has no numbers that could be swept, and no file can say what it is: write a class for that.
+    It has no numbers to sweep and cannot be described in a file: write a class for that.
     """
 
     function: Callable[..., tuple[float, ...]] = option("f(x, y, z, t)")
 
 
 class Rows(NamedTuple):
-    """A flow as the kernels take it."""
+    """A flow in the form that the kernels take."""
 
     kinds: tuple[Formula, ...] = ()
-    """The formulas of its parts, once each."""
+    """Formulas of the parts, once each."""
     parts: tuple[Any, ...] = ()
-    """What tells these apart: class, function and shape of what they read, if they have such."""
+    """Keys that distinguish the kinds: class and, if any, function and shape of the table that is read."""
     counts: tuple[int, ...] = ()
-    """How many parts of each kind there are."""
+    """Number of parts of each kind."""
     numbers: np.ndarray = np.zeros(0)
-    """For each kind how many parts there are, then the numbers of each."""
+    """For each kind, the number of parts, then the numbers of each part."""
 
     def refuse_tables(self, reader: str) -> None:
-        """Refuse a flow on a grid.
+        """Reject a flow on a grid.
 
         Args:
-            reader: What reads no tables, in words.
+            reader: Description of what cannot read tables.
 
         Raises:
-            ValueError: If a part is one.
+            ValueError: If a part is a flow on a grid.
         """
         if any(shape is not None for *_, shape in self.parts):
             raise BadArgument("current", f"must not be a gridded flow: {reader} reads no tables; got one")
 
 
 def rows_of(flow: Flow, height: float | None = None) -> Rows:
-    """A flow as the kernels take it.
+    """Return a flow in the form that the kernels take.
 
     Args:
-        flow: Which.
-        height: At which alone it is asked for [m]; None: at any.
+        flow: Flow to convert.
+        height: Only height at which the flow is evaluated [m]; None: any.
     """
     kinds: dict[Any, list[Flow]] = {}
     for part in flow.parts:
@@ -284,10 +284,10 @@ def rows_of(flow: Flow, height: float | None = None) -> Rows:
 
 
 def differentiated(flow: Callable[..., Any]) -> Callable[..., Any]:
-    """A formula of the velocity as one of velocity, its rate, its gradient and the elevation, which is 0.
+    """Extend a formula of the velocity to one of velocity, its rate, its gradient and the elevation, which is 0.
 
     Args:
-        flow: Of `self`, x, y, z [m] and t [s]; it returns u, v, w [m/s].
+        flow: Function of `self`, x, y, z [m] and t [s]; it returns u, v, w [m/s].
     """
 
     def slopes(law: Any, x: float, y: float, z: float, t: float, dx: float, dy: float, dz: float, dt: float) -> Any:

@@ -1,12 +1,12 @@
-"""Water whose motion is known on a grid of places and times, of a netCDF file or an xarray Dataset, as any flow can be.
+"""Water with motion on a grid of places and times, from netCDF or an xarray Dataset; any flow can be sampled to one.
 
-A Dataset has the velocities `u`, `v` and perhaps `w` [m/s] and the `elevation` of the surface [m], over the coordinates
-`time`, `z` (or `depth`, positive down), `y` and `x`, any of which may be missing. Names and units of the CF conventions
-are understood; degrees are not, for the world is flat here.
+A Dataset has the velocities `u`, `v` and optionally `w` [m/s] and the `elevation` of the surface [m], over the
+coordinates `time`, `z` (or `depth`, positive down), `y` and `x`, any of which may be missing. Names and units of the CF
+conventions are supported; degrees are not, because the world is flat here.
 
-Between the nodes the motion is multilinear: velocity and elevation are continuous and right to the square of the grid's
-steps, and the gradients, which are those of the same cell, to their first power. Kernels read the nodes where they lie
-in memory (`laticauda.scalars.table_row`).
+Between the nodes the motion is multilinear: velocity and elevation are continuous and of second order in the grid's
+steps; the gradients, which are those of the same cell, are of first order. Kernels read the nodes where they are in
+memory (`laticauda.scalars.table_row`).
 """
 
 import functools
@@ -33,16 +33,16 @@ if TYPE_CHECKING:
 COMPONENTS = ("u", "v", "w", "elevation")
 AXES = ("time", "z", "y", "x")
 NAMES: dict[str, list[str]] = read_toml(Path(__file__).with_suffix(".toml"))
-"""What variables and coordinates may be called, by name or by their attribute `standard_name`, which is the second."""
+"""Accepted names of variables and coordinates: their name or attribute `standard_name`, which is the second entry."""
 _METERS = {"m": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
 _SPEEDS = {f"{meter}{per}": factor for meter, factor in _METERS.items() for per in ("/s", " s-1", " s^-1", "/second")}
 _TIMES = {"s": 1.0, "seconds": 1.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0, "days": 86400.0}
 UNITS = {**dict.fromkeys("uvw", _SPEEDS), **dict.fromkeys(("elevation", *"zyx"), _METERS), "time": _TIMES}
-"""What their units may be, and how many of ours each is; none means ours, which come first."""
+"""Accepted units with their factors to our units; our own units come first, and are assumed if there are none."""
 
 
 class Axis(NamedTuple):
-    """Nodes at equal steps; one where the axis is missing."""
+    """Nodes at equal steps; a single node if the axis is missing."""
 
     first: float = 0.0
     step: float = 1.0
@@ -50,12 +50,12 @@ class Axis(NamedTuple):
 
 
 class Grid:
-    """A flow at the nodes of a grid; two of the same digest are equal.
+    """A flow at the nodes of a grid; grids with the same digest are equal.
 
     Args:
-        axes: Those of `AXES` [s], [m].
-        table: Velocity and elevation at every node, those along x next to each other, shape (n, 4); behind the last
-            node of an axis there is the first one again.
+        axes: Axes in the order of `AXES` [s], [m].
+        table: Velocity and elevation at every node, nodes along x next to each other, shape (n, 4); the last node of
+            each axis is followed by its first one again.
     """
 
     def __init__(self, axes: tuple[Axis, ...], table: np.ndarray) -> None:
@@ -63,22 +63,22 @@ class Grid:
         self.digest = hashlib.sha256(f"{axes}".encode() + table.tobytes()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
-        """Of the same digest."""
+        """Compare the digests."""
         return isinstance(other, Grid) and other.digest == self.digest
 
     def __hash__(self) -> int:
-        """That of the digest."""
+        """Return the hash of the digest."""
         return hash(self.digest)
 
 
 def read(file: str) -> Grid:
-    """The grid in a netCDF file; the last few are kept, until they change.
+    """Return the grid in a netCDF file; the last few grids are cached until their files change.
 
     Args:
-        file: Its path.
+        file: Path of the file.
 
     Raises:
-        ValueError: If it cannot be read, or is no flow.
+        ValueError: If the file cannot be read or does not hold a flow.
     """
     try:
         return _read(file, Path(file).stat().st_mtime_ns)
@@ -95,13 +95,13 @@ def _read(file: str, changed: int) -> Grid:
 
 
 def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
-    """A Dataset as a table.
+    """Convert a Dataset to a grid.
 
     Args:
-        dataset: See above.
+        dataset: Dataset as described for the module, or a grid, which is returned unchanged.
 
     Raises:
-        ValueError: If something is missing, or is not what it should be; the message says what, and where.
+        ValueError: If something is missing or invalid; the message says what and where.
     """
     given: Any = dataset
     if isinstance(dataset, Grid):
@@ -128,14 +128,14 @@ def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
 
 
 def _called(dataset: Any, name: str) -> Any:
-    """What a Dataset calls one of `NAMES`, None if it has none."""
+    """Return a Dataset's name for one of `NAMES`, None if it has none."""
     every = [*dataset.variables, *(dim for dim in dataset.dims if dim not in dataset.variables)]
     words = [(one, (str(one).lower(), dataset[one].attrs.get("standard_name"))) for one in every]
     return next((one for one, both in words if any(word in NAMES[name] for word in both)), None)
 
 
 def _unit(called: str, name: str, variable: Any) -> float:
-    """How many of ours the unit of a variable or a coordinate is; without gaps, and over nothing else."""
+    """Return the factor from the unit of a variable or coordinate to ours; check for gaps and other dimensions."""
     given = variable.attrs.get("units", next(iter(UNITS[name])))
     if given not in UNITS[name]:
         raise BadArgument(called, f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {shown(given)}")
@@ -151,7 +151,7 @@ def _unit(called: str, name: str, variable: Any) -> float:
 
 
 def _placed(called: str, name: str, ours: Any) -> Any:
-    """A Dataset with the places of an axis upward, in our unit; dates count from the first."""
+    """Return a Dataset with the coordinate of an axis ascending and in our unit; dates count from the first."""
     if name not in ours.coords:
         raise BadArgument(called, "must have coordinates, which say where the nodes are")
     at, attributes = ours[name].values, ours[name].attrs
@@ -171,12 +171,12 @@ def _placed(called: str, name: str, ours: Any) -> Any:
 
 
 def to_dataset(flow: Flow, **axes: Sequence[float] | np.ndarray) -> "xarray.Dataset":
-    """Any flow on a grid, as `Gridded` and other programs take it; ``to_netcdf`` writes it to a file.
+    """Sample any flow on a grid for `Gridded` and other programs; ``to_netcdf`` writes the result to a file.
 
     Args:
-        flow: Which.
-        axes: The nodes along `time` since the start of a run [s], and along `z` above the mean surface, `y` and `x`
-            [m]; one that is left out is missing in the grid, and the flow is taken where it is 0.
+        flow: Flow to sample.
+        axes: Nodes along `time` since the start of a run [s], and along `z` above the mean surface, `y` and `x` [m];
+            an omitted axis is missing in the grid, and the flow is sampled where its coordinate is 0.
     """
     if unknown := axes.keys() - set(AXES):
         raise BadArgument(unknown.pop(), f"must be one of {', '.join(AXES)}, got another axis")
@@ -193,15 +193,15 @@ def to_dataset(flow: Flow, **axes: Sequence[float] | np.ndarray) -> "xarray.Data
     return import_module("xarray").Dataset(made, coordinates, {"Conventions": "CF-1.11", "title": flow.words})
 
 
-EDGE = 1e-9  # of a step, beyond which a place is outside
+EDGE = 1e-9  # distance in steps beyond which a place is outside
 
 
 @value
 class Gridded(Flow):
     """Water whose motion is known on a grid of places and times.
 
-    Where the grid lacks an axis, nothing changes along it. Above its highest level and below its lowest one, the motion
-    is that of the level.
+    The motion is constant along an axis that the grid lacks. Above the highest level and below the lowest one, it is
+    that of the nearest level.
     """
 
     source: Any = option("A netCDF file, where a file names it from its folder, or an xarray Dataset, which none keeps")
@@ -221,10 +221,10 @@ class Gridded(Flow):
 
     @functools.cached_property
     def grid(self) -> Grid:
-        """What it is known on.
+        """Grid on which the flow is known.
 
         Raises:
-            ValueError: If the file has changed since its digest was taken, or cannot be read.
+            ValueError: If the file has changed since its digest was computed, or cannot be read.
         """
         grid = read(self.source) if isinstance(self.source, str) else self.source
         if self.digest not in ("", grid.digest):
@@ -233,13 +233,13 @@ class Gridded(Flow):
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """Those of `AXES`, time from the start of the run."""
+        """Axes in the order of `AXES`, with time from the start of the run."""
         time, *others = self.grid.axes
         return (time._replace(first=time.first - self.start), *others)
 
     @property
     def parts(self) -> tuple[Flow, ...]:
-        """One, which is not kept: an address is good in one process only."""
+        """A single part, which is not cached because its address is valid in one process only."""
         numbers = {"table": table_address(self.grid.table)}
         for name, axis, rule in zip("tzyx", self.axes, (self.beyond, "hold", *2 * [self.outside]), strict=True):
             codes = {"periodic": 1.0 / axis.nodes, "hold": 0.0, "zero": -1.0, "refuse": -2.0}
@@ -260,20 +260,20 @@ class Gridded(Flow):
 
     @property
     def words(self) -> str:
-        """What it is, for people."""
+        """Description of the flow."""
         return f"the flow of `{self.source}`" if isinstance(self.source, str) else "a flow on a grid"
 
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Flow):
-    """The numbers of a grid: where its table lies, and per axis where it begins, steps per unit, nodes, and a rule.
+    """The numbers of a grid: address of its table, and for each axis its first node, steps per unit, nodes and rule.
 
-    The rule is 1 / nodes where the grid goes on from its begin, one step behind its end, as along an axis that is
-    missing; 0 where its ends are held; -1 where there is nothing; and -2 where runs end, because rates are no numbers.
+    Outside the grid, the rule is 1 / nodes for a periodic grid, whose first node follows one step after its last, as on
+    a missing axis; 0 to hold the edges; -1 for no motion; -2 to end the run, because rates are not a number there.
     """
 
     grid: Grid
-    """Whose table it is, which lives as long as this."""
+    """Grid that owns the table; it lives as long as this object."""
     values: Mapping[str, float]
     """All numbers by name."""
 
@@ -282,19 +282,19 @@ class _Cells(Flow):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """What all must have in common that run side by side."""
+        """Number of nodes per axis, which must be the same for all runs side by side."""
         return tuple(axis.nodes for axis in self.grid.axes)
 
     @property
     def formula(self) -> Formula:
-        """One for all grids that have the same axes."""
+        """Formula for all grids that have the same axes."""
         function = _interpolating(tuple(count > 1 for count in reversed(self.shape)))
         return Formula(name="Gridded", function=function, fields=(*self.values,))
 
 
 @functools.cache
 def _interpolating(there: tuple[bool, ...]) -> Callable[..., Any]:
-    """The formula of all grids that have these of the axes x, y, z and t."""
+    """Return the formula of all grids that have the given ones of the axes x, y, z and t."""
     between, count, slopes, cells = _at_node, len(COMPONENTS), "", ""
     for k, (name, is_there) in enumerate(zip("xyzt", there, strict=True)):
         slopes += "".join(f"f[{count + j}], " if is_there else "0.0 * f[0], " for j in range(len(COMPONENTS)))
@@ -327,7 +327,7 @@ def _at_node(table: float, i: float, further: float, ways: Any) -> Any:
 
 
 def _along(before: Any, count: int, k: int) -> Any:
-    """Numbers between two nodes of an axis: those that are known at nodes, then the slopes per step of the first."""
+    """Return a function that interpolates numbers between two nodes, then appends the first ones' slopes per step."""
     between = "".join(f"a[{j}] + f * (b[{j}] - a[{j}]), " for j in range(count))
     slopes = "".join(f"b[{j}] - a[{j}], " for j in range(len(COMPONENTS)))
     names = {"mixed": eval(f"lambda a, b, f: ({between}{slopes})"), "before": before}
@@ -336,7 +336,7 @@ def _along(before: Any, count: int, k: int) -> Any:
 
 
 def _cell(at: float, first: float, per_step: float, count: float, rule: float) -> Any:
-    """Where a place is on an axis: node before it, share of the way to the next, slope, what is there, nan or 0."""
+    """Locate a place on an axis: node before it, fraction to the next, slope factor, motion factor, nan or 0."""
     wraps = where(rule > 0.0, rule, 0.0)
     last = count - 1.0 + wraps * count
     p = (at - first) * per_step
@@ -345,6 +345,6 @@ def _cell(at: float, first: float, per_step: float, count: float, rule: float) -
     inside = where(is_inside, 1.0, 0.0)
     p = where(p.real > 0.0, p, 0.0 * p)
     p = where(p.real < last, p, last + 0.0 * p)
-    i = np.floor(where(p.real < last - 1.0, p.real, last - 1.0))  # a node even if the place is no number
+    i = np.floor(where(p.real < last - 1.0, p.real, last - 1.0))  # a valid node even if the place is not a number
     refused = where(is_inside, 0.0, where(rule < -1.5, math.nan, 0.0))
     return i, p - i, inside * per_step, where(rule == -1.0, inside, 1.0), refused

@@ -1,15 +1,15 @@
 """Loads of the water (or the ground) on one rigid element: laws that own their numbers.
 
-A law is a frozen value below `DragLaw`: its fields are its coefficients, its `__call__` the formula. Python calls it as
-it stands, and the kernels compile it (`laticauda.formulas`). It stands in the environment: `Water.drag`,
-`Ground.friction`. One's own is a class like those here, in any module, or a `FunctionDrag`.
+A law is a frozen value derived from `DragLaw`: its fields are its coefficients, its `__call__` the formula. Python
+calls it directly, and the kernels compile it (`laticauda.formulas`). It is part of the environment: `Water.drag`,
+`Ground.friction`. A user's law is a class like those here, in any module, or a `FunctionDrag`.
 
-All quantities are in the element's own axes: t along the element towards the head, n to its left. Velocities are those
-of the element's middle relative to the water, or to the ground. The annotations say float; complex numbers work too,
-which is how derivatives with respect to any argument are taken (complex step), and so do lanes, which is how many
-trials are computed at once. So conditions look at the real part only, magnitudes come from `magnitude`, choices from
-`laticauda.scalars.where`, and transcendental functions from numpy. A law with an `if` works as well; in a batch it is
-then called trial by trial.
+All quantities are in the element's own axes: t along the element toward the head, n to its left. Velocities are those
+of the element's middle relative to the water or the ground. The annotations say float, but complex numbers work too
+(for complex-step derivatives with respect to any argument), and so do lanes (for many trials computed at once).
+Conditions therefore use the real part only, magnitudes use `magnitude`, choices `laticauda.scalars.where`, and
+transcendental functions come from numpy. A law with an `if` works as well; in a batch it is then called trial by
+trial.
 """
 
 from collections.abc import Callable
@@ -22,21 +22,21 @@ from laticauda.formulas import Law, OfFunction
 from laticauda.quantities import option, quantity, value
 from laticauda.scalars import magnitude
 
-# Keeps the direction of a velocity defined at rest, far below any speed that matters [m^2/s^2].
+# Keeps the direction of a velocity defined at rest; far below any relevant speed [m^2/s^2].
 _AT_REST = 1e-30
 
 Loads: TypeAlias = tuple[float, float, float]
 MOTION = 4
-"""Numbers that a law gets before the element: v_t, v_n, across, rate."""
+"""Count of the arguments of a law before the element: v_t, v_n, across, rate."""
 
 
 class Element(NamedTuple):
-    """What the section of an element and its surroundings make of it (`laticauda.hydrodynamics`)."""
+    """Coefficients of an element, given by its section and surroundings (`laticauda.hydrodynamics`)."""
 
     c_t: float
-    """Drag along [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_t m g [N]."""
+    """Coefficient of drag along the element [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_t m g [N]."""
     c_n: float
-    """Drag across, likewise."""
+    """Coefficient of drag across the element, in the same units."""
     lambda_2: float
     """Linear rotational drag per reference speed [N s^2]."""
     lambda_3: float
@@ -44,7 +44,7 @@ class Element(NamedTuple):
 
 
 class DragLaw(Law, Extensible, group="drag_laws"):
-    """Base of the loads on one element: a value whose fields are its coefficients.
+    """Base class of laws for the loads on one element: a value whose fields are its coefficients.
 
     Example:
         >>> from laticauda.fluid.laws import DragLaw, PolynomialDrag
@@ -53,31 +53,31 @@ class DragLaw(Law, Extensible, group="drag_laws"):
     """
 
     of_weight: ClassVar[bool] = False
-    """Whether the coefficients of a ground are shares of an element's weight."""
+    """Whether the ground's coefficients are fractions of an element's weight."""
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """Loads on an element.
+        """Return the loads on an element.
 
-        In space it is called twice per element: with its left for n, then with what is above it.
+        In space it is called twice per element: with n to its left, then with n upward.
 
         Args:
             v_t: Velocity along the element [m/s].
             v_n: Velocity across it, to its left [m/s].
-            across: All of the speed across it, |v_n| in the plane, not negative [m/s].
+            across: Total speed across it, |v_n| in the plane, not negative [m/s].
             rate: Angular velocity theta' [rad/s].
-            element: Its coefficients, not negative.
+            element: Coefficients of the element, not negative.
 
         Returns:
-            f_t [N], f_n [N], tau about the element's middle [N m]. None of the three should ever feed energy in:
+            f_t [N], f_n [N], tau about the element's middle [N m]. None of the three should ever add energy:
             f_t v_t <= 0, f_n v_n <= 0, tau theta' <= 0.
         """
         raise NotImplementedError
 
     def check(self) -> None:
-        """Refuse a law that kernels cannot compile.
+        """Reject a law that the kernels cannot compile.
 
         Raises:
-            ValueError: With the reason.
+            ValueError: If the law cannot be compiled; the message gives the reason.
         """
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
@@ -85,10 +85,10 @@ class DragLaw(Law, Extensible, group="drag_laws"):
         check(self.formula, self.numbers, Element, example, 3, "f_t [N], f_n [N] and tau [N m]")
 
     def steepest(self, speed: float) -> tuple[float, float]:
-        """Largest drag per speed between rest and `speed`, along and across, of an element with coefficients 1 [1/s].
+        """Return the largest drag per speed up to `speed`, along and across, of an element with coefficients 1 [1/s].
 
         Args:
-            speed: Along and across at once [m/s].
+            speed: Speed both along and across [m/s].
         """
         unit = Element(1.0, 1.0, 0.0, 0.0)
         loads = [(v, self(v, v, v, 0.0, unit)) for v in (1e-12, speed)]
@@ -101,13 +101,13 @@ class PolynomialDrag(DragLaw):
 
     The literature uses the same number for the linear and the quadratic part [1]; U_ref is the speed that this implies.
 
-    Along the element a third part may grow with how fast the element moves sideways,
+    Along the element, a third part may grow with the sideways speed of the element,
 
         f_t = -c_t v_t (U_ref + |v_t| + gamma |v_n|)
 
-    because sideways motion keeps the boundary layer thin. That friction grows so is established (Bone in [2]; review
-    [3]); that it grows in proportion to |v_n| is this model, with one number to be identified: for a plate that moves
-    along its normal into the flow, theory has the square root of the normal velocity [4].
+    because sideways motion keeps the boundary layer thin. This growth of friction is established (Bone in [2]; review
+    [3]); proportionality to |v_n| is an assumption of this model, with one number to be identified: for a plate that
+    moves along its normal into the flow, theory gives the square root of the normal velocity [4].
 
     References:
         [1] E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (7), which implies U_ref = 1 m/s.
@@ -124,7 +124,7 @@ class PolynomialDrag(DragLaw):
     sway_friction: float = quantity("", "gamma, drag along growing with the local sideways speed", ge=0.0, default=0.0)
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """Each direction on its own, but for the sway friction."""
+        """Return the loads; the directions are independent, except for the sway friction."""
         base = self.reference_speed * self.linear
         f_t = -element.c_t * v_t * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
         f_n = -element.c_n * v_n * (base + self.quadratic * magnitude(v_n))
@@ -133,7 +133,7 @@ class PolynomialDrag(DragLaw):
 
     @property
     def words(self) -> str:
-        """Its parts, with the reference speed where it counts."""
+        """Parts of the law, with the reference speed where it matters."""
         parts = {
             (True, True): f"linear and quadratic, equal at {self.reference_speed:g} m/s",
             (True, False): f"linear only, reference speed {self.reference_speed:g} m/s",
@@ -145,17 +145,17 @@ class PolynomialDrag(DragLaw):
 
 @value
 class TotalSpeedDrag(DragLaw):
-    """Quadratic drag in oblique flow: friction along the element by the total speed, and lift at small incidence.
+    """Quadratic drag in oblique flow: friction along the element from the total speed, and lift at small incidence.
 
         f_t = -c_t v_t sqrt(v_t^2 + gamma^2 across^2)
         f_n = -c_n v_n sqrt(across^2 + beta^2 v_t^2)
         tau = -lambda_3 |theta'| theta'
 
-    There is no linear part and no reference speed. gamma = 1 is friction against the whole velocity, as a rough surface
-    has it, gamma = 0 that of the speed along alone. beta = 0 is the cross-flow principle, where what moves along makes
-    no difference to the drag across (mooring lines [1]); beta = 1 is the drag of Morison's equation as a vector, along
-    the whole velocity [2], whose part across grows at small incidence as a lift does, with the angle and not with its
-    square. With both 0 it is `PolynomialDrag` without its linear part.
+    There is no linear part and no reference speed. gamma = 1 is friction against the whole velocity, as on a rough
+    surface; with gamma = 0 it depends on the speed along the element only. beta = 0 is the cross-flow principle, where
+    motion along the element does not affect the drag across (mooring lines [1]); beta = 1 is the drag of Morison's
+    equation as a vector, along the whole velocity [2], whose part across grows like a lift at small incidence, with the
+    angle and not with its square. With both 0 it is `PolynomialDrag` without its linear part.
 
     References:
         [1] MoorDyn (github.com/FloatingArrayDesign/MoorDyn), source/Line.cpp, transverse and tangential drag of a line.
@@ -166,7 +166,7 @@ class TotalSpeedDrag(DragLaw):
     gamma: float = quantity("", "gamma, share of the speed across in the drag along", ge=0.0, le=1.0, default=1.0)
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """Each force against its own velocity, by a speed that both make up."""
+        """Return the loads; each force opposes its own velocity, scaled by a speed that combines both."""
         along_2, across_2 = v_t * v_t, across * across
         f_t = -element.c_t * v_t * (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
         f_n = -element.c_n * v_n * (across_2 + self.beta * self.beta * along_2 + _AT_REST) ** 0.5
@@ -175,17 +175,17 @@ class TotalSpeedDrag(DragLaw):
 
 @value
 class ViscousFriction(DragLaw):
-    """Friction on the ground in proportion to the speed: f = -c v, along and across on their own."""
+    """Ground friction proportional to the speed: f = -c v, along and across independently."""
 
     called: ClassVar[str] = "viscous"
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """No torque about the contact."""
+        """Return the loads, without a torque about the contact."""
         return -element.c_t * v_t, -element.c_n * v_n, 0.0 * rate
 
 
 def dry(v: float, c: float, regularization_speed: float) -> float:
-    """Dry friction, -c v / sqrt(v^2 + eps^2) [N].
+    """Return the dry friction -c v / sqrt(v^2 + eps^2) [N].
 
     Args:
         v: Velocity [m/s].
@@ -197,10 +197,10 @@ def dry(v: float, c: float, regularization_speed: float) -> float:
 
 @value
 class CoulombFriction(DragLaw):
-    """Dry anisotropic friction on the ground: f = -c v / sqrt(v^2 + eps^2), along and across on their own.
+    """Dry anisotropic ground friction: f = -c v / sqrt(v^2 + eps^2), along and across independently.
 
-    That is -c sgn(v) with the jump at v = 0 spread over some eps, so |f| < c, with c = mu m g. There is no torque about
-    the contact.
+    This is -c sgn(v) with the jump at v = 0 spread over a few eps, so |f| < c, with c = mu m g. There is no torque
+    about the contact.
     """
 
     called: ClassVar[str] = "coulomb"
@@ -209,22 +209,22 @@ class CoulombFriction(DragLaw):
     regularization_speed: float = quantity("m/s", "eps, below which dry friction fades out", gt=0.0, default=1e-3)
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """No torque about the contact."""
+        """Return the loads, without a torque about the contact."""
         eps = self.regularization_speed
         return dry(v_t, element.c_t, eps), dry(v_n, element.c_n, eps), 0.0 * rate
 
 
 @value
 class FunctionDrag(OfFunction, DragLaw):
-    """A plain function as a law: it takes what a law takes, and what it closes over is compiled into it.
+    """A plain function as a law, with the arguments of a law; the values it closes over are compiled into it.
 
-    It has no numbers that could be swept or identified, and no file can say what it is: write a class for that.
+    It has no numbers to sweep or identify and cannot be described in a file: write a class for that.
     """
 
     function: Callable[..., tuple[float, float, float]] = option("f(v_t, v_n, across, rate, element)")
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
-        """What the function says."""
+        """Return the loads from the function."""
         return self.function(v_t, v_n, across, rate, element)
 
 
@@ -237,38 +237,38 @@ def plate(
     sharpness: float,
     parasitic_drag: float,
 ) -> tuple[float, float]:
-    """Lift and drag of a flat plate, stall included, in the plate's axes (chord, normal).
+    """Return lift and drag of a flat plate, including stall, in the plate's axes (chord, normal).
 
         C_L = (1 - s) a sin(alpha) cos(alpha) + s 2 sin(alpha) |sin(alpha)| cos(alpha)
         C_D = C_D0 + 2 |sin(alpha)|^3
         1 - s = 1 / ((1 + exp(-M (sin(alpha_0) - sin(alpha)))) (1 + exp(-M (sin(alpha_0) + sin(alpha)))))
 
     alpha is the angle of attack, a the lift slope, alpha_0 the stall angle, M the sharpness. The share s of separated
-    flow and the way it blends the lift follow Beard and McLain [1], eqs. (4.9) and (4.10). Three things differ, so that
-    the law holds all around the circle and needs no aspect ratio:
+    flow and its blending of the lift follow Beard and McLain [1], eqs. (4.9) and (4.10). Three things differ, so that
+    the law holds for all angles and needs no aspect ratio:
 
-    - s sees sin(alpha) where they have alpha, so that flow from behind counts as attached again. To lowest order that
-      is their stall with M cos(alpha_0) for M.
+    - s depends on sin(alpha) where they have alpha, so that flow from behind counts as attached again. To lowest order
+      this is their stall with M cos(alpha_0) for M.
     - The attached lift is a sin(alpha) cos(alpha) where they have C_L0 + a alpha: the same for small alpha (C_L0 = 0).
     - Their drag, (4.11), adds the induced drag C_L^2 / (pi e R), R the aspect ratio. Ours adds 2 |sin(alpha)|^3, the
-      drag that belongs to the separated lift: their resultant is normal to the plate, and 2 rho S v^2 / 2 at 90 deg.
-      Induced drag before the stall is left out: put what matters of it into `parasitic_drag`.
+      drag that goes with the separated lift: their resultant is normal to the plate, and 2 rho S v^2 / 2 at 90 deg.
+      Induced drag before stall is neglected: include its relevant part in `parasitic_drag`.
 
     Args:
         v_t: Velocity along the chord relative to the water [m/s].
-        v_n: Velocity across it [m/s].
+        v_n: Velocity across the chord [m/s].
         half_density_area: rho S / 2 [kg/m].
         lift_slope: a, slope of the lift coefficient at small angles [1/rad].
-        stall_angle: alpha_0, between 0 and pi/2, where the flow separates: s = 1/2 there [rad].
-        sharpness: M, how sudden that is [-]; below 4 / sin(alpha_0), s blunts the slope at alpha = 0 too.
+        stall_angle: alpha_0, between 0 and pi/2, where the flow separates: s = 1/2 [rad].
+        sharpness: M, sharpness of the stall [-]; below 4 / sin(alpha_0), s reduces the slope at alpha = 0 too.
         parasitic_drag: C_D0 [-].
 
     Returns:
-        Force along the chord and across it [N]. Never feeds energy in: f . v = -rho S/2 |v|^3 C_D <= 0.
+        Force along the chord and across it [N]. It never adds energy: f . v = -rho S/2 |v|^3 C_D <= 0.
 
     References:
         [1] R. W. Beard, T. W. McLain, Small Unmanned Aircraft: Theory and Practice, Princeton University Press, 2012,
-        ch. 4; the equations as published implementations of the book have them.
+        ch. 4; the equations as in published implementations of the book.
     """
     speed = (v_t * v_t + v_n * v_n + _AT_REST) ** 0.5
     sine, cosine = -v_n / speed, v_t / speed  # alpha is positive when the flow comes from the right
@@ -279,5 +279,5 @@ def plate(
     lift = (attached * lift_slope + (1.0 - attached) * 2.0 * size) * sine * cosine
     drag = parasitic_drag + 2.0 * size * size * size
     scale = half_density_area * speed
-    # Drag acts against v, lift a quarter turn to the left of it.
+    # Drag acts against v, lift a quarter turn to the left of v.
     return scale * (-drag * v_t - lift * v_n), scale * (-drag * v_n + lift * v_t)

@@ -1,4 +1,4 @@
-"""Water that moves everywhere alike, or in layers: uniform flow that turns and begins, linear and power-law shear."""
+"""Water that moves uniformly or in layers: uniform flow that may turn and ramp up, linear and power-law shear."""
 
 import math
 
@@ -9,14 +9,14 @@ from laticauda.quantities import quantity, value
 from laticauda.scalars import where
 
 BED_LAYER = 0.01
-"""Share of the depth, above the bed, where a power law becomes linear: its own slope has no bound there."""
+"""Fraction of the depth, from the bed, below which a power law becomes linear, because its slope is unbounded there."""
 
 
 @value
 class Uniform(Flow):
-    """The same velocity everywhere, which may turn, as that of a tide does, and begin smoothly from rest.
+    """The same velocity everywhere, which may turn, like that of a tide, and start smoothly from rest.
 
-    Its size is (1 - cos(pi t / T)) / 2 of the full one during the ramp T.
+    During the ramp T its magnitude is (1 - cos(pi t / T)) / 2 of the full one.
     """
 
     u: float = quantity("m/s", "Velocity along x", default=0.0)
@@ -26,7 +26,7 @@ class Uniform(Flow):
     ramp: float = quantity("s", "T, time from rest to full speed", ge=0.0, default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The same everywhere."""
+        """Return the motion, which is the same everywhere."""
         zero = 0.0 * (x + y + z + t)
         begins = (t.real < self.ramp.real) & (self.ramp.real > 0.0)
         pace = math.pi / where(begins, self.ramp + zero, 1.0 + zero)
@@ -39,13 +39,13 @@ class Uniform(Flow):
 
     @property
     def constant(self) -> tuple[float, float, float] | None:
-        """Its velocity, if it neither turns nor begins."""
+        """Velocity of the flow if it neither turns nor has a ramp."""
         return None if self.turning or self.ramp else (self.u, self.v, self.w)
 
 
 @value
 class LinearShear(Flow):
-    """Straight layers whose speed changes with the place across the flow, with the height, or with both."""
+    """Straight layers whose speed changes across the flow, with the height, or both."""
 
     speed: float = quantity("m/s", "U, at the origin", default=0.0)
     direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
@@ -53,7 +53,7 @@ class LinearShear(Flow):
     upward: float = quantity("1/s", "Change of the speed with the height", default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """Its gradient is the same everywhere."""
+        """Return the motion, whose gradient is the same everywhere."""
         c, s = np.cos(self.direction), np.sin(self.direction)
         speed = self.speed + self.across * (c * y - s * x) + self.upward * z
         return layer(c, s, speed, self.across, self.upward)
@@ -61,7 +61,7 @@ class LinearShear(Flow):
 
 @value
 class PowerLawShear(Flow):
-    """A river's or a tide's layers above a bed: U (h / d)^n at the height h above it; as at the surface above that."""
+    """Layers of a river or tide: U (h / d)^n at the height h above the bed; above the surface as at the surface."""
 
     speed: float = quantity("m/s", "U, at the surface", default=0.1)
     direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
@@ -69,7 +69,7 @@ class PowerLawShear(Flow):
     exponent: float = quantity("", "n, a seventh in rivers", gt=0.0, le=1.0, default=1.0 / 7.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """At rest below the bed."""
+        """Return the motion, which is zero below the bed."""
         zero = 0.0 * (x + y + z + t)
         h = 1.0 + z / self.depth
         outer, inside = h.real > BED_LAYER, (h.real > 0.0) & (h.real < 1.0)
@@ -81,14 +81,14 @@ class PowerLawShear(Flow):
 
 
 def layer(c: float, s: float, speed: float, across: float, upward: float) -> tuple[float, ...]:
-    """The motion of straight layers.
+    """Return the motion of straight layers.
 
     Args:
         c: Cosine of the direction of the flow.
-        s: Sine of it.
-        speed: Of this layer [m/s].
-        across: Its change to the left [1/s].
-        upward: Its change with the height [1/s].
+        s: Sine of the direction of the flow.
+        speed: Speed of this layer [m/s].
+        across: Change of the speed to the left [1/s].
+        upward: Change of the speed with the height [1/s].
     """
     slopes = -c * s * across, c * c * across, c * upward, -s * s * across, c * s * across, s * upward
     return c * speed, s * speed, *(0.0,) * 4, *slopes, *(0.0,) * 4

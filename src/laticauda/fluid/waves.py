@@ -1,9 +1,9 @@
-"""Waves of small steepness on water of any depth (Airy), and seas that are sums of them, from a seed.
+"""Waves of small steepness on water of any depth (Airy), and seas that are sums of such waves, from a seed.
 
 The surface is at eta = a cos(theta), theta = k . x - omega t + phase, with omega^2 = g k tanh(k d); below it the
 velocity is a omega cosh k(z + d) / sinh kd along the wave, in phase with the surface, and a omega sinh k(z + d) / sinh
-kd upward, a quarter of a period ahead. This holds up to the mean level; above it, in the crests, all is as at the mean
-level, and below the bed all is as at the bed.
+kd upward, a quarter of a period ahead. This holds up to the mean level; above it, in the crests, the motion is that at
+the mean level, and below the bed it is that at the bed.
 """
 
 import math
@@ -18,14 +18,14 @@ from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scalars import where
 
 GRAVITY = 9.81  # m/s^2
-STEEPEST = 0.142  # height by length, times tanh kd, at which waves break (Miche's limit)
-DEEP = 300.0  # k d beyond which water is as good as bottomless, and exp(k d) is a number yet
-BAND = (0.5, 3.0)  # frequencies of a sea by that of its peak
+STEEPEST = 0.142  # height per length at which waves break, to be multiplied by tanh kd (Miche's limit)
+DEEP = 300.0  # k d beyond which water counts as infinitely deep, and up to which exp(k d) does not overflow
+BAND = (0.5, 3.0)  # frequencies of a sea relative to that of its peak
 
 
 @value
 class _Level(Flow):
-    """One wave at one height."""
+    """A single wave at one height."""
 
     k_x: float = quantity("1/m", "Wave number along x")
     k_y: float = quantity("1/m", "Along y")
@@ -37,34 +37,34 @@ class _Level(Flow):
     upward: float = quantity("m/s", "Of w")
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """The same at all heights."""
+        """Return the motion, which is the same at all heights."""
         return moved(self, x, y, t, 1.0, 1.0)
 
 
 @value
 class _Wave(_Level):
-    """One wave at any height; its amplitudes are those at the mean level."""
+    """A single wave at any height; its amplitudes are those at the mean level."""
 
     k: float = quantity("1/m", "Wave number")
     bed: float = quantity("", "k d, how deep the bed is")
     echo: float = quantity("", "exp(-2 k d), what it sends back")
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
-        """As at the mean level above it, as at the bed below that."""
+        """Return the motion, above the mean level as at that level, below the bed as at the bed."""
         return moved(self, x, y, t, *shares(self, z))
 
     def at_height(self, z: float) -> Flow:
-        """With its amplitudes there as numbers."""
+        """Return the wave with its amplitudes at height z as numbers."""
         along, upward = shares(self, z)
         share = {"along_x": along, "along_y": along, "upward": upward}
         return _Level(**{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)})
 
 
 def shares(wave: _Wave, z: float) -> tuple[float, float]:
-    """The amplitudes of the velocity along a wave, and upward, by those at the mean level.
+    """Return the velocity amplitudes along a wave and upward, relative to those at the mean level.
 
     Args:
-        wave: Which.
+        wave: Wave.
         z: Height above the mean level [m].
     """
     depth = wave.k * where(z.real < 0.0, -z, 0.0 * z)
@@ -74,15 +74,15 @@ def shares(wave: _Wave, z: float) -> tuple[float, float]:
 
 
 def moved(wave: Any, x: float, y: float, t: float, along: float, upward: float) -> tuple[float, ...]:
-    """The motion of the water in one wave.
+    """Return the motion of the water in one wave.
 
     Args:
-        wave: Which.
-        x: World axes [m].
-        y: The same [m].
+        wave: Wave.
+        x: World coordinate x [m].
+        y: World coordinate y [m].
         t: Time [s].
-        along: Share of its amplitudes of u and v that are there.
-        upward: Of w.
+        along: Factor on the wave's amplitudes of u and v.
+        upward: Factor on the wave's amplitude of w.
     """
     k_x, k_y, omega = wave.k_x, wave.k_y, wave.omega
     theta = k_x * x + (k_y * y + (wave.phase - omega * t))
@@ -94,14 +94,14 @@ def moved(wave: Any, x: float, y: float, t: float, along: float, upward: float) 
 
 
 def component(amplitude: float, omega: float, direction: float, phase: float, depth: float) -> _Wave:
-    """One wave of a sea.
+    """Return one wave of a sea.
 
     Args:
-        amplitude: Of the surface [m].
+        amplitude: Amplitude of the surface [m].
         omega: Frequency [rad/s].
-        direction: It moves to, from the x axis [rad].
-        phase: Of the crest at the origin, at the start [rad].
-        depth: Of the water, infinite if deep [m].
+        direction: Direction that the wave moves to, from the x axis [rad].
+        phase: Phase of the crest at the origin, at the start [rad].
+        depth: Depth of the water, infinite for deep water [m].
     """
     k = wave_number(omega, depth)
     bed, (x, y), speed = min(k * depth, DEEP), (math.cos(direction), math.sin(direction)), amplitude * omega
@@ -112,16 +112,16 @@ def component(amplitude: float, omega: float, direction: float, phase: float, de
 
 
 def wave_number(omega: float, depth: float) -> float:
-    """k of waves of a frequency: omega^2 = g k tanh kd, by Newton's rule, to rounding.
+    """Return the wave number k for a frequency: omega^2 = g k tanh kd, by Newton's method, to rounding.
 
     Args:
         omega: Frequency [rad/s].
-        depth: Of the water, infinite if deep [m].
+        depth: Depth of the water, infinite for deep water [m].
     """
     deep = omega**2 / GRAVITY
     if (a := deep * depth) > DEEP:
         return deep
-    kd = a / math.sqrt(math.tanh(a))  # Eckart's, within 5 %
+    kd = a / math.sqrt(math.tanh(a))  # Eckart's approximation, within 5 %
     for _ in range(6):
         tanh = math.tanh(kd)
         kd -= (kd * tanh - a) / (tanh + kd * (1.0 - tanh**2))
@@ -129,13 +129,13 @@ def wave_number(omega: float, depth: float) -> float:
 
 
 def check_unbroken(name: str, height: float, omega: float, depth: float) -> None:
-    """Refuse waves that are too steep to be.
+    """Reject waves that are so steep that they would break.
 
     Args:
-        name: Of the argument that is their height.
-        height: From trough to crest [m].
+        name: Name of the argument with their height.
+        height: Height from trough to crest [m].
         omega: Frequency [rad/s].
-        depth: Of the water, infinite if deep [m].
+        depth: Depth of the water, infinite for deep water [m].
     """
     k = wave_number(omega, depth)
     most = STEEPEST * (length := 2.0 * math.pi / k) * math.tanh(k * depth)
@@ -145,7 +145,7 @@ def check_unbroken(name: str, height: float, omega: float, depth: float) -> None
 
 @value
 class Waves(Flow):
-    """Regular waves of one period, which is given, or follows from their length and the depth."""
+    """Regular waves of one period, which is given or follows from their length and the depth."""
 
     height: float = quantity("m", "H, from trough to crest", gt=0.0, default=0.1)
     period: float | None = quantity("s", "T; left out: that of the `length`, or 2 s", gt=0.0, default=None)
@@ -163,7 +163,7 @@ class Waves(Flow):
 
     @property
     def omega(self) -> float:
-        """Their frequency [rad/s]."""
+        """Frequency of the waves [rad/s]."""
         if self.period is not None or self.length is None:
             return 2.0 * math.pi / (self.period or 2.0)
         k = 2.0 * math.pi / self.length
@@ -171,16 +171,16 @@ class Waves(Flow):
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """The one wave."""
+        """The single wave."""
         return (component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),)
 
 
 @value
 class Sea(Flow):
-    """Irregular waves: many of equal energy, their frequencies, directions and phases drawn from a spectrum by a seed.
+    """Irregular waves of equal energy, with frequencies, directions and phases drawn from a spectrum by a seed.
 
     S ~ omega^-5 exp(-5/4 (omega_p/omega)^4) gamma^exp(-(omega/omega_p - 1)^2 / 2 sigma^2), sigma 0.07 below the peak
-    and 0.09 above it, within `BAND`; directions ~ cos^2s of half the angle from the mean one.
+    and 0.09 above it, within `BAND`; directions ~ cos^2s of half the angle from the mean direction.
     """
 
     significant_height: float = quantity("m", "H_s, 4 standard deviations of the surface", gt=0.0, default=0.1)
@@ -199,7 +199,7 @@ class Sea(Flow):
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """Its waves: one from each of so many bands of equal energy, which have H_s together."""
+        """The waves: one from each of `components` bands of equal energy, which together have H_s."""
         n, random = self.components, np.random.default_rng(self.seed)
         grid = np.linspace(*BAND, 4001)
         peak = np.exp(-((grid - 1.0) ** 2) / (2.0 * np.where(grid > 1.0, 0.09, 0.07) ** 2))

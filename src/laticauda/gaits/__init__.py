@@ -1,4 +1,4 @@
-"""Gaits: what is asked of the joints, and the generator that turns it into a reference they can follow."""
+"""Gaits: the motion requested of the joints, and the generator that turns it into references they can follow."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,6 @@
-"""What the joints are asked to do: the paper's gait (3), and its envelopes g(i, n), which spread the amplitude.
+"""Requested motion of the joints: the paper's gait (3) and its envelopes g(i, n).
 
-An envelope says how the amplitude of the joints is spread along the body; a kind of gait is a kind of envelope.
+An envelope defines how the amplitude of the joints varies along the body; a kind of gait is a kind of envelope.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ from laticauda.quantities import option, quantity, several, value
 
 
 class Envelope(Extensible, group="envelopes"):
-    """Base of envelopes: a kind of gait is one class below it, known by the class's name.
+    """Base class of envelopes: each kind of gait is a subclass, known by its class name.
 
     Example:
         >>> from laticauda.gaits import Envelope
@@ -27,84 +27,84 @@ class Envelope(Extensible, group="envelopes"):
     """
 
     words: ClassVar[str] = ""
-    """What tables and figures call such a gait; "": its name."""
+    """Label of such a gait in tables and figures; "" for its name."""
 
     def __call__(self, i: int, n: int) -> float:
-        """g of one joint.
+        """Return g of one joint.
 
         Args:
-            i: Of the joint; 1 is the tail-most.
+            i: Number of the joint; 1 is the tail-most.
             n: Number of links.
         """
         raise NotImplementedError
 
     def joints(self, n_links: int) -> tuple[float, ...]:
-        """g of each of the n - 1 joints, tail first.
+        """Return g of each of the n - 1 joints, tail first.
 
         Args:
             n_links: n.
 
         Raises:
-            ValueError: If it is for another number of joints.
+            ValueError: If the envelope is for a different number of joints.
         """
         return _spread(self, n_links)
 
     @property
     def kind(self) -> str:
-        """Its name as Python spells it, `eel_like`."""
+        """Name as spelled in Python, such as `eel_like`."""
         return name_of(type(self)).replace("-", "_")
 
 
 @value
 class LateralUndulation(Envelope):
-    """The same amplitude everywhere, g(i, n) = 1."""
+    """Envelope of constant amplitude, g(i, n) = 1."""
 
     words: ClassVar[str] = "lateral undulation"
 
     def __call__(self, i: int, n: int) -> float:
-        """1."""
+        """Return 1."""
         return 1.0
 
 
 @value
 class EelLike(Envelope):
-    """Growing from head to tail, g(i, n) = (n-i)/(n+1)."""
+    """Envelope that grows from head to tail, g(i, n) = (n-i)/(n+1)."""
 
     words: ClassVar[str] = "eel-like motion"
 
     def __call__(self, i: int, n: int) -> float:
-        """(n-i)/(n+1)."""
+        """Return (n-i)/(n+1)."""
         return (n - i) / (n + 1)
 
 
 @value
 class Anguilliform(EelLike):
-    """Eel-like motion whose tail-most joint does the whole amplitude, g(i, n) = (n-i)/(n-1)."""
+    """Eel-like envelope whose tail-most joint has the full amplitude, g(i, n) = (n-i)/(n-1)."""
 
     words: ClassVar[str] = "anguilliform motion"
 
     def __call__(self, i: int, n: int) -> float:
-        """(n-i)/(n-1)."""
+        """Return (n-i)/(n-1)."""
         return (n - i) / (n - 1)
 
 
 @value
 class Custom(Envelope):
-    """Values of one's own, for robots with as many joints."""
+    """Envelope of custom values, for robots with as many joints."""
 
     words: ClassVar[str] = "custom gait"
 
     values: tuple[float, ...] = quantity("", "g of every joint, tail first")
 
     def __call__(self, i: int, n: int) -> float:
-        """The value of that joint."""
+        """Return the value of joint i."""
         return self.joints(n)[i - 1]
 
     def joints(self, n_links: int) -> tuple[float, ...]:
-        """The values, if there are as many as joints of `n_links` links.
+        """Return the values if their number matches the joints of `n_links` links.
 
         Args:
-            n_links: Of the robot [-].
+            n_links: Number of links of the robot [-].
         """
         if len(self.values) != n_links - 1:
             need = f"one value per joint, {n_links - 1} for {n_links} links"
@@ -113,14 +113,14 @@ class Custom(Envelope):
 
 
 GAIT_WORDS = {kind().kind: kind.words for kind in (LateralUndulation, EelLike)}
-"""What tables and figures call the paper's two kinds."""
+"""Labels of the paper's two kinds in tables and figures."""
 
 
 def envelope_of(kind: str) -> Envelope:
-    """An envelope by the name of its kind.
+    """Return an envelope by the name of its kind.
 
     Args:
-        kind: As `eel_like` or `eel-like`; one that a name alone tells (`kinds`).
+        kind: A kind defined by its name alone (`kinds`), such as `eel_like` or `eel-like`.
 
     Raises:
         ValueError: If there is no such kind, or it needs values.
@@ -134,11 +134,11 @@ def envelope_of(kind: str) -> Envelope:
 
 
 def kinds() -> tuple[str, ...]:
-    """The kinds of gait that a name alone tells, as `eel_like`."""
+    """Return the kinds of gait that are defined by a name alone, such as `eel_like`."""
     return tuple(name.replace("-", "_") for name in Envelope.names() if name != name_of(Custom))
 
 
-@lru_cache(maxsize=64)  # a sweep asks for the same few a million times
+@lru_cache(maxsize=64)  # a sweep requests the same few a million times
 def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
     return tuple(float(envelope(i, n_links)) for i in range(1, n_links))
 
@@ -147,7 +147,7 @@ def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
 
 
 class WaveFields(TypedDict, total=False):
-    """The numbers of a wave, each in rad (rad/s) or, under its other name, in degrees."""
+    """Parameters of a wave, each in rad (rad/s) or, under its other name, in degrees."""
 
     amplitude: float
     amplitude_deg: float
@@ -161,10 +161,10 @@ class WaveFields(TypedDict, total=False):
 
 @value
 class Wave:
-    """A second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
+    """Second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
 
-    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint, and so neither phase shift nor envelope.
-    Everything but phase and envelope is filtered and started smoothly, as the yaw wave is.
+    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint and thus neither phase shift nor envelope.
+    Everything except phase and envelope is filtered and started smoothly, like the yaw wave.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -184,27 +184,27 @@ class Wave:
     envelope: Envelope = option("g of the pitch joints, how the amplitude is spread", default=LateralUndulation())
 
     def target(self, offset: float = 0.0) -> WaveTarget:
-        """What the reference generator gets of it; `offset` [rad] adds to its own.
+        """Return the wave's target for the reference generator; `offset` [rad] is added to the wave's own.
 
         Args:
-            offset: Added to the wave's own, as a controller asks [rad].
+            offset: Offset requested by a controller, added to the wave's own [rad].
         """
         return WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase)
 
 
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
-"""That of joints which stay straight."""
+"""Wave of joints that stay straight."""
 
 
 @value
 class Gait:
-    """A traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
+    """Traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
-    and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its envelope: lateral_undulation (g = 1),
-    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`Envelope`). Angles that were recorded
-    add to the wave as they are, without its smooth start (`recorded_gait`).
+    and the amplitude starts smoothly: see `Generator`. The `kind` is that of the envelope: lateral_undulation (g = 1),
+    eel_like (g = (n-i)/(n+1)), custom, or a custom class (`Envelope`). Recorded angles are added to the wave unchanged,
+    without its smooth start (`recorded_gait`).
 
     Raises:
         ValueError: If a field is out of its range.
@@ -224,28 +224,28 @@ class Gait:
     recorded: JointAngles | None = option("Angles of the yaw joints over time, which the wave adds to", default=None)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the consistency of the fields."""
         if self.fin is not None and self.fin.phase_shift != 0.0:
             raise BadArgument("fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad")
 
     @property
     def kind(self) -> str:
-        """Name of its envelope, as `eel_like`."""
+        """Name of the envelope, such as `eel_like`."""
         return self.envelope.kind
 
     @property
     def words(self) -> str:
-        """What tables and figures call its kind."""
+        """Label of its kind in tables and figures."""
         if self.recorded is not None:
             return "recorded motion"
         return self.envelope.words or self.kind.replace("_", " ")
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A `table` of an older file as one of today: kind and values of the envelope stood beside each other.
+        """Convert a `table` of an older file, where kind and values of the envelope were separate keys.
 
         Args:
-            table: As the file has it.
+            table: Table from the file.
         """
         new = dict(table)
         kind, values = new.pop("kind", None), new.get("envelope")
@@ -257,33 +257,33 @@ class Gait:
         return new
 
     def targets(self, offset: float = 0.0, pitch_offset: float = 0.0) -> tuple[WaveTarget, WaveTarget, WaveTarget]:
-        """What the reference generator gets: of the yaw joints, of the pitch joints, of a driven fin.
+        """Return the targets for the reference generator: yaw joints, pitch joints, driven fin.
 
         Args:
-            offset: Adds to that of the yaw joints [rad].
-            pitch_offset: Adds to that of the pitch joints [rad].
+            offset: Added to the offset of the yaw joints [rad].
+            pitch_offset: Added to the offset of the pitch joints [rad].
         """
         yaw = WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, 0.0)
         return yaw, (self.pitch or STRAIGHT).target(pitch_offset), (self.fin or STRAIGHT).target()
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
-        """The envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.
+        """Return the envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.
 
         Args:
             n_links: n.
 
         Raises:
-            ValueError: If a custom envelope has another number of joints.
+            ValueError: If a custom envelope is for a different number of joints.
         """
         return self.envelope.joints(n_links)
 
 
 FIRST_GAIT = Gait(amplitude=radians(30.0), frequency=radians(130.0), phase_shift=radians(40.0))
-"""Mamba's first trial of the paper."""
+"""Gait of Mamba's first trial in the paper."""
 
 
 class GaitFields(WaveFields, total=False):
-    """What a gait is besides its envelope: the fields of `Gait`."""
+    """Fields of `Gait` other than its envelope."""
 
     pitch: Wave | None
     fin: Wave | None
@@ -291,12 +291,12 @@ class GaitFields(WaveFields, total=False):
 
 
 def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
-    """Body waves of constant amplitude, g(i, n) = 1.
+    """Return body waves of constant amplitude, g(i, n) = 1.
 
     Args:
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
             degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles that the wave adds to.
+            joints and of a driven fin; recorded, angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -309,12 +309,12 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
 
 
 def eel_like(**fields: Unpack[GaitFields]) -> Gait:
-    """Body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
+    """Return body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
             degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles that the wave adds to.
+            joints and of a driven fin; recorded, angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -329,18 +329,18 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
 def custom_gait(
     *, envelope: Callable[[int, int], float] | Sequence[float], n_links: int | None = None, **fields: Unpack[GaitFields]
 ) -> Gait:
-    """Body waves with an envelope of one's own.
+    """Return body waves with a custom envelope.
 
     Args:
         envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most joint, as in (3).
         n_links: n; needed when `envelope` is a function, and checked against the number of its values otherwise.
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
             degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles that the wave adds to.
+            joints and of a driven fin; recorded, angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is missing, or the
-            envelope has another number of joints.
+            envelope is for a different number of joints.
 
     Example:
         >>> gait = custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7)
@@ -361,11 +361,11 @@ def custom_gait(
 
 
 def recorded_gait(angles: JointAngles, **fields: Any) -> Gait:
-    """The motion that was recorded, alone: no wave adds to it, and its frequency is that of the recording.
+    """Return a recorded motion alone: no wave is added, and the frequency is that of the recording.
 
     Args:
-        angles: Of the yaw joints over time.
-        fields: Of `Gait`, where they differ.
+        angles: Angles of the yaw joints over time.
+        fields: Fields of `Gait` to override.
 
     Example:
         >>> gait = recorded_gait(JointAngles(time=(0.0, 1.0, 2.0), angle=((0.0, 0.5, 0.0), (0.1, 0.0, 0.1))))

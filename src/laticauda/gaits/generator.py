@@ -1,4 +1,4 @@
-"""The reference generator as an object: the same scalar functions that the kernels compile, for a robot or a test."""
+"""Reference generator as an object: the same scalar functions that the kernels compile, for a robot or a test."""
 
 import math
 from dataclasses import dataclass
@@ -17,27 +17,27 @@ Reference = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class GeneratorState:
-    """Where the generator stands."""
+    """State of the generator."""
 
     time: float
-    """Since the start [s]."""
+    """Time since the start [s]."""
     time_rest: float = 0.0
-    """What `time` lost to rounding so far [s]."""
+    """Accumulated rounding error of `time` [s]."""
     yaw: WaveState
-    """The wave of the yaw joints."""
+    """Wave of the yaw joints."""
     pitch: WaveState
-    """That of the pitch joints."""
+    """Wave of the pitch joints."""
     fin: WaveState
-    """That of a driven fin."""
+    """Wave of a driven fin."""
 
 
 @value
 class Generator:
-    """Turns a gait, which may change at any time, into joint references that a body can follow.
+    """Generator that turns a gait, which may change at any time, into joint references that a body can follow.
 
     Amplitude, frequency, phase shift and offset of every wave follow their targets through critically damped filters,
-    so the references and their rates are continuous; see `laticauda.gaits.reference`. The kernels compute the same.
-    The envelope is not filtered: bring the amplitude to zero before another kind of gait.
+    so the references and their rates are continuous; see `laticauda.gaits.reference`. The kernels compute the same
+    references. The envelope is not filtered: bring the amplitude to zero before changing to another kind of gait.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -56,26 +56,26 @@ class Generator:
     ramp: float = quantity("s", "T of the smooth start; 0 means none", default=1.0, ge=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the consistency of the fields."""
         if self.axes is not None and len(self.axes) != self.n_links - 1:
             raise BadArgument("axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}")
 
     def init(self, gait: Gait) -> GeneratorState:
-        """The start: at the gait's amplitudes, frequencies and phase shifts; offsets build up from zero.
+        """Return the initial state: the gait's amplitudes, frequencies and phase shifts; offsets build up from zero.
 
         Args:
-            gait: At the start.
+            gait: Gait at the start.
         """
         yaw, pitch, fin = map(reference.first_state, gait.targets())
         return GeneratorState(time=0.0, yaw=yaw, pitch=pitch, fin=fin)
 
     def step(self, state: GeneratorState, gait: Gait, dt: float) -> GeneratorState:
-        """The state after a time step during which one gait is held; exact for steps of any size.
+        """Return the state after a time step during which one gait is held; exact for steps of any size.
 
         Args:
-            state: Before the step.
-            gait: Held over it; steering goes into its offset.
-            dt: Step [s].
+            state: State before the step.
+            gait: Gait held over the step; steering enters through its offset.
+            dt: Time step [s].
         """
         decay = math.exp(-self.bandwidth * dt)
         waves = zip((state.yaw, state.pitch, state.fin), gait.targets(), strict=True)
@@ -84,17 +84,17 @@ class Generator:
         return GeneratorState(time=time, time_rest=rest, yaw=yaw, pitch=pitch, fin=fin)
 
     def joints(self, state: GeneratorState, gait: Gait) -> Float[np.ndarray, "3 n_joints"]:
-        """The references of every joint, tail first.
+        """Return the references of every joint, tail first.
 
         Args:
-            state: Where the generator stands.
-            gait: At that instant; the accelerations depend on it, angles and rates do not.
+            state: State of the generator.
+            gait: Gait at that instant; the accelerations depend on it, angles and rates do not.
 
         Returns:
             phi_ref [rad], phi_ref' [rad/s] and phi_ref'' [rad/s^2], one row each.
 
         Raises:
-            ValueError: If the gait has a custom envelope for another number of joints.
+            ValueError: If the gait has a custom envelope for a different number of joints.
         """
         axes = self.axes or ("yaw",) * (self.n_links - 1)
         yaw, pitch, _ = gait.targets()
@@ -111,18 +111,18 @@ class Generator:
         return references
 
     def fin(self, state: GeneratorState, gait: Gait) -> Reference:
-        """The same of a driven fin.
+        """Return the references of a driven fin.
 
         Args:
-            state: Where the generator stands.
-            gait: At that instant.
+            state: State of the generator.
+            gait: Gait at that instant.
         """
         return self._wave(state.fin, gait.targets()[2], state.time, (1.0,))[0]
 
     def _wave(
         self, wave: WaveState, target: reference.WaveTarget, time: float, envelope: tuple[float, ...]
     ) -> list[Reference]:
-        """The references of the joints that one wave moves."""
+        """Return the references of the joints moved by one wave."""
         ramp = reference.smooth_start(time, self.ramp)
         motion = reference.wave_motion(wave, target[:4], self.bandwidth, ramp)
         phases = [wave.phase + k * wave.phase_shift + target.phase for k in range(len(envelope))]

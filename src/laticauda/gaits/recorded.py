@@ -1,4 +1,4 @@
-"""Joint angles over time, as somebody measured or computed them: a motion that no wave describes."""
+"""Measured or computed joint angles over time: a motion not described by a wave."""
 
 import math
 import re
@@ -17,24 +17,24 @@ from laticauda.quantities import quantity, value
 from laticauda.series import Log
 
 JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
-"""What a column of angles is called; 1 is the tail-most joint."""
+"""Pattern for the names of angle columns; 1 is the tail-most joint."""
 
 
 @value
 class JointAngles:
-    """Angles of the yaw joints at given times, and between them a cubic spline with continuous second derivatives.
+    """Angles of the yaw joints at given times, joined by a cubic spline with continuous second derivatives.
 
-    Before the first and after the last of them the angles are held; the spline begins and ends at rest.
+    Before the first and after the last time, the angles are held; the spline starts and ends at rest.
 
     Raises:
-        ValueError: If times do not increase, or a joint has another number of angles.
+        ValueError: If the times do not increase, or the number of angles of a joint differs from the number of times.
     """
 
     time: tuple[float, ...] = quantity("s", "When: since the start of the run, increasing")
     angle: tuple[tuple[float, ...], ...] = quantity("rad", "Angle of every yaw joint, tail first, at these times")
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the consistency of the fields."""
         if len(self.time) < 2 or any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
             raise BadArgument("time", "must be two times or more that increase")
         for i, one in enumerate(self.angle):
@@ -44,10 +44,10 @@ class JointAngles:
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A `table` of a file whose angles may be in degrees, as `angle_deg`.
+        """Convert a `table` of a file whose angles may be in degrees, as `angle_deg`.
 
         Args:
-            table: As the file has it.
+            table: Table from the file.
         """
         new = dict(table)
         if "angle" not in new and isinstance(new.get("angle_deg"), list):
@@ -56,16 +56,16 @@ class JointAngles:
 
     @classmethod
     def read(cls, path: str | Path) -> "JointAngles":
-        """The angles in a CSV file.
+        """Read the angles in a CSV file.
 
-        It has a column of times (`time_s`) and one per yaw joint, `joint_1_deg` (or `joint_1_rad`) being the tail-most;
-        further columns, and lines that begin with #, do not count.
+        The file has a column of times (`time_s`) and one per yaw joint, where `joint_1_deg` (or `joint_1_rad`) is the
+        tail-most; other columns, and lines that begin with #, are ignored.
 
         Args:
-            path: Of the file.
+            path: Path of the file.
 
         Raises:
-            TrialFileError: If it cannot be read, or anything in it is wrong.
+            TrialFileError: If the file cannot be read or is invalid.
         """
         columns = read_columns(path, TrialFileError)
         joints = sorted((int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name)))
@@ -81,7 +81,7 @@ class JointAngles:
 
     @classmethod
     def of(cls, log: Log) -> "JointAngles":
-        """The angles of a trial, simulated or measured.
+        """Return the joint angles of a simulated or measured trial.
 
         Args:
             log: The trial.
@@ -99,29 +99,29 @@ class JointAngles:
 
     @cached_property
     def knots(self) -> Float[np.ndarray, "n_knots n_numbers"]:
-        """What the kernels take: time [s], then angle [rad] and rate [rad/s] of every joint."""
+        """Input of the kernels: time [s], then angle [rad] and rate [rad/s] of every joint."""
         angle = np.array(self.angle).T
         rates = _clamped_rates(np.array(self.time), angle)
         return np.column_stack((self.time, np.stack((angle, rates), axis=2).reshape(len(angle), -1)))
 
     def scaled(self, shares: Float[np.ndarray, " n_joints"]) -> Float[np.ndarray, "n_knots n_numbers"]:
-        """The knots of joints that do a share of their angles only.
+        """Return the knots with the angles of every joint scaled.
 
         Args:
-            shares: Of every yaw joint, tail first [-].
+            shares: Fraction of its angles that every yaw joint reaches, tail first [-].
 
         Raises:
-            ValueError: If there is another number of joints.
+            ValueError: If the number of joints differs.
         """
         if len(self.angle) != shares.size:
             raise BadArgument("recorded", f"must have angles of every yaw joint, {shares.size}, got {len(self.angle)}")
         return self.knots * np.concatenate(([1.0], np.repeat(shares, 2)))
 
     def at(self, time: float) -> Float[np.ndarray, "3 n_joints"]:
-        """Angle [rad], rate [rad/s] and acceleration [rad/s^2] of every joint, tail first.
+        """Return angle [rad], rate [rad/s] and acceleration [rad/s^2] of every joint, tail first.
 
         Args:
-            time: Since the start of the run [s].
+            time: Time since the start of the run [s].
         """
         k = int(np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.time) - 2))
         (t, *a), (end, *b) = self.knots[k : k + 2].tolist()
@@ -136,7 +136,7 @@ def _rows(table: np.ndarray) -> tuple[tuple[float, ...], ...]:
 def _clamped_rates(
     time: Float[np.ndarray, " n"], angle: Float[np.ndarray, "n n_joints"]
 ) -> Float[np.ndarray, "n n_joints"]:
-    """Rates at the knots of the cubic spline that begins and ends at rest: a tridiagonal system, solved row by row."""
+    """Solve the tridiagonal system for the rates at the knots of the cubic spline that starts and ends at rest."""
     step = np.diff(time)[:, np.newaxis]
     pull = 3.0 * np.diff(angle, axis=0) / step**2
     rate, passed = np.zeros_like(angle), np.zeros_like(time)

@@ -1,9 +1,9 @@
-"""The reference generator: from the gait that is asked for to joint angles that a body can follow.
+"""Reference generator: from the requested gait to joint angles that a body can follow.
 
-What is asked for may change at any time. Amplitude, frequency, phase shift and offset each pass through a critically
-damped second-order filter, the phase is the integral of the filtered frequency, and the amplitude starts with a
-smooth ramp. So phi_ref and phi_ref' are continuous whatever is asked for, and phi_ref'' jumps only where that jumps.
-The envelope alone is not filtered: bring the amplitude to zero before another kind of gait is asked for.
+The request may change at any time. Amplitude, frequency, phase shift and offset each pass through a critically damped
+second-order filter, the phase is the integral of the filtered frequency, and the amplitude starts with a smooth ramp.
+Therefore phi_ref and phi_ref' are continuous for any request, and phi_ref'' jumps only where the request jumps. Only
+the envelope is not filtered: bring the amplitude to zero before requesting another kind of gait.
 
 The filter has a closed-form solution for a constant input, so a time step of any size is exact.
 
@@ -11,8 +11,8 @@ A robot has up to three waves: of its yaw joints, of its pitch joints, and of a 
 smooth start and the bandwidth.
 
 These are plain scalar functions: the kernels of both models compile them; `laticauda.gaits.Generator` wraps them for a
-real robot. What differs is where they have sines from (and exp(-w dt)): those are handed in.
-The annotations say float; complex numbers work too, for complex-step derivatives, and lanes, for many trials at once.
+real robot. Sines and exp(-w dt), which each caller computes in its own way, are passed as arguments.
+The annotations say float, but complex numbers (complex-step derivatives) and lanes (many trials at once) also work.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from laticauda.scalars import where
 
 
 class WaveTarget(NamedTuple):
-    """What one wave is to become."""
+    """Target of one wave."""
 
     amplitude: float
     """alpha [rad]."""
@@ -32,62 +32,62 @@ class WaveTarget(NamedTuple):
     offset: float
     """phi_0 [rad]."""
     phase: float
-    """How far it is ahead of the integral of its frequency; not filtered [rad]."""
+    """Phase lead over the integral of the frequency; not filtered [rad]."""
 
 
 class WaveState(NamedTuple):
-    """Where one wave stands: values after the filters, with their rates."""
+    """State of one wave: values after the filters, with their rates."""
 
     phase: float
     """Integral of the frequency [rad]."""
     amplitude: float
     """alpha [rad]."""
     amplitude_rate: float
-    """[rad/s]."""
+    """alpha' [rad/s]."""
     frequency: float
     """omega [rad/s]."""
     frequency_rate: float
-    """[rad/s^2]."""
+    """omega' [rad/s^2]."""
     phase_shift: float
     """delta [rad]."""
     phase_shift_rate: float
-    """[rad/s]."""
+    """delta' [rad/s]."""
     offset: float
     """phi_0 [rad]."""
     offset_rate: float
-    """[rad/s]."""
+    """phi_0' [rad/s]."""
 
 
 class WaveMotion(NamedTuple):
-    """What the joints of one wave have in common at one moment."""
+    """Quantities shared by the joints of one wave at one moment."""
 
     amplitude: float
     """alpha, ramp included [rad]."""
     amplitude_rate: float
-    """[rad/s]."""
+    """alpha' [rad/s]."""
     amplitude_acceleration: float
-    """[rad/s^2]."""
+    """alpha'' [rad/s^2]."""
     frequency: float
     """psi' of the first joint [rad/s]."""
     frequency_rate: float
     """psi'' of the first joint [rad/s^2]."""
     phase_shift_rate: float
-    """What every further joint adds to psi' [rad/s]."""
+    """Increment of psi' from joint to joint [rad/s]."""
     phase_shift_acceleration: float
-    """The same to psi'' [rad/s^2]."""
+    """Increment of psi'' from joint to joint [rad/s^2]."""
     offset: float
     """phi_0 [rad]."""
     offset_rate: float
-    """[rad/s]."""
+    """phi_0' [rad/s]."""
     offset_acceleration: float
-    """[rad/s^2]."""
+    """phi_0'' [rad/s^2]."""
 
 
 def first_state(target: WaveTarget) -> WaveState:
-    """How a wave begins: with the amplitude, frequency and phase shift of its target; the offset builds up from zero.
+    """Return the initial wave: amplitude, frequency and phase shift of its target; the offset builds up from zero.
 
     Args:
-        target: At the start.
+        target: Target at the start.
     """
     amplitude, frequency, phase_shift, _, _ = target
     return WaveState(0.0, amplitude, 0.0, frequency, 0.0, phase_shift, 0.0, 0.0, 0.0)
@@ -96,14 +96,14 @@ def first_state(target: WaveTarget) -> WaveState:
 def advance_wave(
     wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, decay: float, dt: float
 ) -> WaveState:
-    """A wave after a step in time.
+    """Return a wave after a time step.
 
     Args:
-        wave: Before it.
-        target: Amplitude, frequency, phase shift and offset that it is to have, held over the step.
-        bandwidth: w, of all of its filters [rad/s].
+        wave: Wave before the step.
+        target: Target amplitude, frequency, phase shift and offset, held over the step.
+        bandwidth: w, bandwidth of all its filters [rad/s].
         decay: exp(-w dt) [-].
-        dt: Step [s].
+        dt: Time step [s].
     """
     amplitude, amplitude_rate, _ = filter_step(wave[1], wave[2], target[0], bandwidth, decay, dt)
     frequency, frequency_rate, turned = filter_step(wave[3], wave[4], target[1], bandwidth, decay, dt)
@@ -123,12 +123,12 @@ def advance_wave(
 
 
 def advance_time(time: float, rest: float, dt: float) -> tuple[float, float]:
-    """Time after a step, and what it has lost to rounding so far (Kahan summation).
+    """Return the time after a step, and its accumulated rounding error (Kahan summation).
 
     Args:
-        time: Before it [s].
-        rest: What it had lost [s].
-        dt: Step [s].
+        time: Time before the step [s].
+        rest: Rounding error before the step [s].
+        dt: Time step [s].
     """
     due = dt - rest
     after = time + due
@@ -138,13 +138,13 @@ def advance_time(time: float, rest: float, dt: float) -> tuple[float, float]:
 def wave_motion(
     wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, ramp: tuple[float, float, float]
 ) -> WaveMotion:
-    """What the joints of a wave have in common.
+    """Return the quantities shared by the joints of a wave.
 
     Args:
-        wave: Where it stands.
-        target: Amplitude, frequency, phase shift and offset that it is to have.
-        bandwidth: w, of its filters [rad/s].
-        ramp: From `smooth_start`.
+        wave: State of the wave.
+        target: Target amplitude, frequency, phase shift and offset.
+        bandwidth: w, bandwidth of its filters [rad/s].
+        ramp: Ramp from `smooth_start`.
     """
     second = filter_acceleration(wave[1], wave[2], target[0], bandwidth)
     amplitude, amplitude_rate, amplitude_acceleration = ramped(wave[1], wave[2], second, ramp[0], ramp[1], ramp[2])
@@ -153,7 +153,7 @@ def wave_motion(
         amplitude_rate,
         amplitude_acceleration,
         wave[3],
-        wave[4],  # the phase is the integral of the filtered frequency, so its second derivative is that one's first
+        wave[4],  # the phase is the integral of the filtered frequency, so psi'' is the rate of that frequency
         wave[6],
         filter_acceleration(wave[5], wave[6], target[2], bandwidth),
         wave[7],
@@ -165,14 +165,14 @@ def wave_motion(
 def wave_reference(
     sine: float, cosine: float, envelope: float, k: float, motion: WaveMotion
 ) -> tuple[float, float, float]:
-    """phi_ref = alpha g sin(psi) + phi_0 (3) of one joint of a wave, and its two derivatives.
+    """Return phi_ref = alpha g sin(psi) + phi_0 (3) of one joint of a wave, and its first two derivatives.
 
     Args:
-        sine: Of the joint's phase psi [-].
-        cosine: Of it [-].
+        sine: Sine of the joint's phase psi [-].
+        cosine: Cosine of the joint's phase psi [-].
         envelope: g of this joint [-].
-        k: How many joints of the wave come before it [-].
-        motion: What they have in common.
+        k: Number of joints of the wave before this one [-].
+        motion: Quantities shared by the joints.
 
     Returns:
         phi_ref [rad], phi_ref' [rad/s], phi_ref'' [rad/s^2].
@@ -190,16 +190,16 @@ def wave_reference(
 def between_knots(
     time: float, start: float, end: float, angle: float, rate: float, next_angle: float, next_rate: float
 ) -> tuple[float, float, float]:
-    """Recorded angle between two knots of a cubic spline, and its two derivatives; held before and after the two.
+    """Return an angle between two knots of a cubic spline, and its first two derivatives; held outside the knots.
 
     Args:
-        time: Now [s].
-        start: Of the first knot [s].
-        end: Of the second [s].
-        angle: At the first [rad].
-        rate: There [rad/s].
-        next_angle: At the second [rad].
-        next_rate: There [rad/s].
+        time: Current time [s].
+        start: Time of the first knot [s].
+        end: Time of the second knot [s].
+        angle: Angle at the first knot [rad].
+        rate: Rate at the first knot [rad/s].
+        next_angle: Angle at the second knot [rad].
+        next_rate: Rate at the second knot [rad/s].
 
     Returns:
         phi [rad], phi' [rad/s], phi'' [rad/s^2].
@@ -231,12 +231,12 @@ def filter_step(
         rate: y' [unit of y / s].
         target: Constant input over the step.
         bandwidth: w, positive [rad/s].
-        decay: exp(-w dt), handed in because it is the same for every filter [-].
-        dt: Step [s].
+        decay: exp(-w dt), passed in because it is the same for every filter [-].
+        dt: Time step [s].
 
     Returns:
-        y and y' after the step, and the integral of y over it [unit of y * s]. Two steps of dt/2 give the same as one
-        of dt.
+        y and y' after the step, and the integral of y over it [unit of y * s]. Two steps of dt/2 give the same result
+        as one step of dt.
     """
     error = value - target
     slope = rate + bandwidth * error
@@ -247,7 +247,7 @@ def filter_step(
 
 
 def filter_acceleration(value: float, rate: float, target: float, bandwidth: float) -> float:
-    """y'' of the filter: w^2 (target - y) - 2 w y'.
+    """Return y'' of the filter: w^2 (target - y) - 2 w y'.
 
     Args:
         value: y.
@@ -262,10 +262,10 @@ def filter_acceleration(value: float, rate: float, target: float, bandwidth: flo
 
 
 def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
-    """The ramp s^3 (10 - 15 s + 6 s^2), s = t / T, and its two time derivatives; 1 after T.
+    """Return the ramp s^3 (10 - 15 s + 6 s^2), s = t / T, and its first two time derivatives; 1 after T.
 
     Args:
-        time: Since the start, not negative [s].
+        time: Time since the start, not negative [s].
         duration: T [s]; 0 means no ramp.
 
     Returns:
@@ -273,7 +273,7 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
     """
     over = time.real >= duration.real
     pace = 1.0 / where(over, 1.0 + 0.0 * duration, duration)
-    s = where(over, 1.0 + 0.0 * time, time * pace)  # at its end the ramp has the value 1 and no slopes
+    s = where(over, 1.0 + 0.0 * time, time * pace)  # at its end the ramp has the value 1 and zero slopes
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) * pace
     acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * pace * pace
@@ -283,7 +283,7 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
 def ramped(
     amplitude: float, rate: float, acceleration: float, ramp: float, ramp_rate: float, ramp_acceleration: float
 ) -> tuple[float, float, float]:
-    """Product of the filtered amplitude and the ramp, with its two time derivatives.
+    """Return the product of the filtered amplitude and the ramp, with its first two time derivatives.
 
     Args:
         amplitude: alpha [rad].

@@ -1,4 +1,4 @@
-"""Measured trials in, physical parameters with their uncertainty out: `fit`. It needs the extra `identify`."""
+"""Identify physical parameters and their uncertainty from measured trials (`fit`); needs the extra `identify`."""
 
 from typing import TYPE_CHECKING
 

@@ -1,8 +1,8 @@
-"""Trials that could be done next, and what each would say about the unknowns.
+"""Candidate trials, and what each would say about the unknowns.
 
-Besides swimming, with what sensors there are, a tow (the loads that hold the straight robot at a constant velocity,
-along itself or at an angle) and a coast-down (the path of the straight robot that is let go with a speed). A candidate
-is a `Measurement` whose numbers do not count; its group says its kind: swim, tow or coast-down.
+Besides swimming with the available sensors, a candidate may be a tow (the loads that hold the straight robot at a
+constant velocity, along itself or at an angle) or a coast-down (the path of the straight robot released at a speed). It
+is a `Measurement` whose measured numbers are not used; its group gives its kind: swim, tow or coast-down.
 """
 
 import math
@@ -24,13 +24,13 @@ from laticauda.robot import Environment, Robot, Water
 from laticauda.simulate.runner import Progress, silent
 
 SENSORS: Mapping[str, tuple[str, float]] = read_toml(Path(__file__).with_name("sensors.toml"))
-"""By word: the figure or series, and the standard deviation of its noise."""
+"""Figure or series that each sensor measures, by sensor name, and the standard deviation of its noise."""
 FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
-"""Noise of the loads of a tow: of a force [N], as a share of it [-], and of the angle [rad]."""
+"""Noise of the loads of a tow: of a force [N], as a fraction of it [-], and of the angle [rad]."""
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
-"""No motion of the joints."""
+"""Gait without joint motion."""
 INTERVAL = 0.5
-"""Between samples of a series that count [s]."""
+"""Interval between the samples of a series that are used [s]."""
 
 
 def swims(
@@ -42,15 +42,15 @@ def swims(
     duration: float = 30.0,
     interval: float = INTERVAL,
 ) -> list[Measurement]:
-    """A candidate per gait.
+    """Return one candidate per gait.
 
     Args:
-        robot: What would swim.
-        gaits: What it would be asked for.
-        environment: Where.
-        sensors: By name, of `SENSORS`: the standard deviation of the noise.
-        duration: Of a trial [s].
-        interval: Between the samples of series that count [s].
+        robot: Robot that would swim.
+        gaits: Gaits to command.
+        environment: Environment to swim in.
+        sensors: Standard deviation of the noise of each sensor, by name from `SENSORS`.
+        duration: Duration of a trial [s].
+        interval: Interval between the samples of a series that are used [s].
     """
     found: list[Measurement] = []
     for gait in gaits:
@@ -63,14 +63,14 @@ def swims(
 def coast_down(
     robot: Robot, environment: Environment, speed: float, *, sigma: float = 0.005, duration: float = 5.0
 ) -> Measurement:
-    """The straight robot let go with a speed, its center of mass tracked ten times a second.
+    """Return a candidate with the straight robot released at a speed, its center of mass tracked ten times a second.
 
     Args:
-        robot: What coasts.
-        environment: Where.
-        speed: At the begin [m/s].
+        robot: Robot that coasts.
+        environment: Environment to coast in.
+        speed: Initial speed [m/s].
         sigma: Standard deviation of the noise of the path [m].
-        duration: [s].
+        duration: Duration of the trial [s].
     """
     start = lc.Start(velocity=positive("speed", speed, "m/s"))
     scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration)
@@ -88,16 +88,16 @@ def from_tow(
     share: float = FORCE_SHARE,
     misalignment: float = MISALIGNMENT,
 ) -> Measurement:
-    """The loads of a tow as a measurement, or as a candidate.
+    """Return the loads of a tow as a measurement or as a candidate.
 
     Args:
-        robot: What is pulled, straight.
-        environment: Where, a water; what an angle that is not quite right does is taken from it.
-        tow: How.
-        loads: By name, of `LOADS`; None: what the water says, of a straight tow the drag only.
-        name: What tables and messages call it; empty: as it is towed, with or without fin.
-        sigma: Standard deviation of the noise of a force [N]; of the moment, half the robot's length times as much.
-        share: The same as a share of the load, for speed and calibration [-].
+        robot: Robot that is towed, straight.
+        environment: Water in which it is towed; the effect of errors of the angle is derived from it.
+        tow: Speed and angle of the tow.
+        loads: Loads by name, from `LOADS`; None: those computed for the water, for a straight tow only the drag.
+        name: Name in tables and messages; empty: composed from the kind of tow, with or without fin.
+        sigma: Standard deviation of the noise of a force [N]; for the moment, multiplied by half the robot's length.
+        share: Additional standard deviation as a fraction of the load, from speed and calibration [-].
         misalignment: Standard deviation of the angle [rad].
 
     Raises:
@@ -123,17 +123,17 @@ def rows_of(
     values: Float[np.ndarray, " n_unknowns"],
     progress: Progress = silent,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """What each candidate would measure, and the derivatives of that to the coordinates of the unknowns.
+    """Predict each candidate's measured numbers and their derivatives with respect to the coordinates of the unknowns.
 
     Args:
-        problem: The unknowns.
+        problem: Provides the unknowns.
         candidates: The trials.
-        values: Of the unknowns.
-        progress: Called with the share that is finished.
+        values: Values of the unknowns.
+        progress: Called with the finished fraction.
 
     Returns:
-        By candidate, in standard deviations of the noise: numbers, and rows of the Jacobian; after the columns of the
-        unknowns those of where it begins, which is unknown as it is to a fit, with rows for what is known of that.
+        For each candidate, in standard deviations of the noise: numbers, and rows of the Jacobian. The columns of the
+        unknowns are followed by those of its start, which is unknown as in a fit, with rows for the priors on it.
 
     Raises:
         ValueError: If a candidate cannot be simulated.
@@ -165,7 +165,7 @@ _AT_ONCE = 64
 def _candidate(
     kind: str, name: str, scenario: lc.Scenario, sensors: Mapping[str, float], interval: float
 ) -> Measurement:
-    """A trial with figures and series whose numbers do not count."""
+    """Return a trial with figures and series whose measured numbers are not used."""
     robot, duration = scenario.robot, scenario.duration
     time = np.arange(1, round(duration / positive("interval", interval, "s")) + 1) * interval
     time = time[time <= duration * (1.0 + 1e-9)]

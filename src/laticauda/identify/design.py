@@ -1,34 +1,34 @@
-"""Which next trials would say most about the unknowns: a D-optimal choice from the sensitivities.
+"""Choose the next trials that would say most about the unknowns: D-optimal design from the sensitivities.
 
-A trial i with the predictions y(x), x the coordinates of the unknowns, and the standard deviations sigma of its noise
-adds to what is known the information
+Let y(x) be the predictions for trial i, with x the coordinates of the unknowns, and sigma the standard deviations of
+its noise. The trial adds the information
 
     F_i = J^T J,    J = (dy/dx) / sigma,
 
-and the covariance after trials is the inverse of the sum of all information, that of the present fit or of the priors
-among it. A design is chosen one trial after the other, each the one that raises the criterion most, and then trials are
-exchanged for others as long as that raises it. Federov, Theory of Optimal Experiments (1972); Atkinson, Donev, Tobias,
-Optimum Experimental Designs, with SAS (2007).
+and the covariance after several trials is the inverse of the total information, including that of the present fit or of
+the priors. A design is built one trial at a time, each time with the trial that raises the criterion most; then trials
+are exchanged for others as long as that raises it. Federov, Theory of Optimal Experiments (1972); Atkinson, Donev,
+Tobias, Optimum Experimental Designs, with SAS (2007).
 
-Or which next trials would tell rival models apart, a T-optimal choice (`discriminate`). Let y be what a model m
-predicts of some trials, in standard deviations of the noise, and y' what its rival m' does, J' the derivatives of that
-to the coordinates of its unknowns, P' the information of its priors. Were m true, the rival could be fitted to the
-trials but for
+Alternatively, `discriminate` chooses the next trials that would tell rival models apart (T-optimal design). Let y be
+the predictions of a model m for some trials, in standard deviations of the noise, y' those of its rival m', J' the
+derivatives of y' with respect to the coordinates of its unknowns, and P' the information of its priors. If m were true,
+the rival could be fitted to the trials except for
 
     T = min_x (y - y' - J' x)^T (y - y' - J' x) + x^T P' x
 
-That is how much worse it would do in chi^2, and T/2 what its logarithmic Bayes factor against m loses by it on average
-(Gaussian priors). T-optimal designs make it great, for several models a weighted sum of all pairs [1, 2]. With the
-information of the columns (y - y', J') of all trials, priors added, it is what a Schur complement leaves of the first
-one: information about the difference of the two models where the unknowns of the rival stay unknown. So it adds up as
-all information does. Unlike in [1], the rival's unknowns are taken as near to where its predictions are linear.
+T is the excess chi^2 of the rival, and T/2 the average loss that it causes in the rival's log Bayes factor against m
+(Gaussian priors). T-optimal designs maximize T or, for several models, a weighted sum over all pairs [1, 2]. T is also
+the Schur complement of the first column in the information of the columns (y - y', J') of all trials, priors added: the
+information about the difference between the two models while the rival's unknowns stay unknown. This information adds
+up like any other. Unlike in [1], the rival's unknowns are assumed close enough for its predictions to be linear.
 
-The verdict of who has the smaller chi^2 is wrong with the chance Phi(-T^(1/2)/2). Chosen are the trials for which the
-sum of exp(-T/8) over all pairs is least, to which these chances are bounded but for a factor (Bhattacharyya).
+Choosing the model with the smaller chi^2 is wrong with probability Phi(-T^(1/2)/2). The chosen trials minimize the sum
+of exp(-T/8) over all pairs, which bounds these probabilities up to a factor (Bhattacharyya).
 
 References:
     [1] H. Dette, V. B. Melas, R. Guchenko, Bayesian T-optimal discriminating designs, Ann. Stat. 43, 2015 (criterion of
-        Atkinson and Fedorov, 1975, which was not read).
+        Atkinson and Fedorov, 1975, which was not consulted).
     [2] R. Guchenko, rodd: Optimal Discriminating Designs, manual of the R package, `tpopt`.
 """
 
@@ -49,44 +49,44 @@ from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.simulate.runner import Progress, silent
 
 CRITERIA = ("D", "A")
-"""D: the determinant of the information, the volume of what is possible; A: the mean variance."""
-_FAINT = 1e-8  # what is known beforehand of what nothing is known of, so that determinants exist
+"""D: determinant of the information (volume of the region of possible values); A: mean variance."""
+_FAINT = 1e-8  # information assumed where there is none, so that determinants exist
 _ROUNDS = 20
 
 Matrix = Float[np.ndarray, "n n"]
 
 
 Judged = tuple[Measurement, Float[np.ndarray, " n"]]
-"""A trial, and the numbers by which it was judged."""
+"""A trial and the numbers by which it was judged."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Design:
-    """The next trials, best first, and what they are expected to say.
+    """Recommended next trials, best first, and what they are expected to determine.
 
-    Standard deviations are shares of an unknown, or of its size, and inf where nothing is known [-].
+    Standard deviations are relative to the unknown's value or to its size, and inf where nothing is known [-].
     """
 
     unknowns: tuple[ResolvedUnknown, ...]
-    """What is looked for."""
+    """Unknowns to be identified."""
     values: Float[np.ndarray, " n_unknowns"]
-    """At which values of them the trials were judged."""
+    """Values of the unknowns at which the trials were judged."""
     criterion: str
-    """One of `CRITERIA`, or `sigma of` an unknown."""
+    """One of `CRITERIA`, or `sigma of` and the name of an unknown."""
     before: Float[np.ndarray, " n_unknowns"]
     """Standard deviations without any of the trials [-]."""
     steps: tuple[Judged, ...]
-    """The trials in the order in which to do them, and the standard deviations after each and all before it."""
+    """Trials in the order in which to do them, each with the standard deviations after it and all before it."""
     reasons: tuple[str, ...]
-    """A sentence about what each trial is good for, with its numbers; in the end one about what swims alone miss."""
+    """A sentence, with numbers, on what each trial contributes, and a final one on what swimming trials alone miss."""
     alone: tuple[Judged, ...]
-    """What would be known after each candidate by itself, the best first."""
+    """Standard deviations after each candidate alone, best first."""
     swimming: Float[np.ndarray, " n_unknowns"] | None
-    """Standard deviations after as many trials, the best ones that swim; None if all candidates swim, or none [-]."""
+    """Standard deviations after equally many swimming trials, the best; None if all candidates swim, or none [-]."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the unknowns."""
+        """Names of the unknowns."""
         return tuple(unknown.name for unknown in self.unknowns)
 
     @property
@@ -105,16 +105,16 @@ def design(
     criterion: str = "D",
     progress: Progress = silent,
 ) -> Design:
-    """Choose the trials that would shrink the uncertainty most.
+    """Choose the trials that would reduce the uncertainty most.
 
     Args:
-        problem: The unknowns; its measurements do not count, `information` does.
-        candidates: Trials that could be done; each may be chosen more than once.
-        n_trials: How many are to be chosen.
-        values: Of the unknowns, at which the trials are judged; None: where their search begins.
-        information: What is known already, to the coordinates: `known_from` a fit; None: the priors.
-        criterion: D, A, or the name of an unknown: its standard deviation alone.
-        progress: Called with the share of the candidates that is judged.
+        problem: Provides the unknowns; its measurements are ignored in favor of `information`.
+        candidates: Possible trials; each may be chosen more than once.
+        n_trials: Number of trials to choose.
+        values: Values of the unknowns at which the trials are judged; None: the starting values of their search.
+        information: Existing information with respect to the coordinates: `known_from` a fit; None: the priors.
+        criterion: D, A, or the name of an unknown, for its standard deviation alone.
+        progress: Called with the fraction of the candidates judged.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -157,7 +157,7 @@ def information_of(
     values: Float[np.ndarray, " n_unknowns"],
     progress: Progress = silent,
 ) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
-    """What each candidate would say, as information to the coordinates of the unknowns; arguments as of `rows_of`."""
+    """Return each candidate's information with respect to the coordinates; arguments as for `rows_of`."""
     found = [rows for _, rows in rows_of(problem, candidates, values, progress)]
     return np.array([identifiability.marginal(rows.T @ rows, range(values.size)) for rows in found])
 
@@ -173,13 +173,13 @@ def _swimming_alone(
 
 
 def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable[[np.ndarray], float]) -> list[int]:
-    """Numbers of the candidates to take, in order: greedily, then by exchange, then ordered greedily again.
+    """Select candidates greedily, then by exchange, then order them greedily; return their indices in order.
 
     Args:
         added: Information of each candidate.
-        known: What is known before.
-        n_trials: How many to take.
-        score: What is maximized.
+        known: Information known beforehand.
+        n_trials: Number of trials to select.
+        score: Function to maximize.
     """
     chosen: list[int] = []
     for _ in range(n_trials):
@@ -196,7 +196,7 @@ def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable
                 chosen[place], is_better = best, True
         if not is_better:
             break
-    # The order does not change what all of them say together; the best first shows most.
+    # The order does not change the total information; best first shows the most.
     ordered: list[int] = []
     rest, total = list(chosen), known
     while rest:
@@ -208,7 +208,7 @@ def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable
 
 
 def known_from(found: result.Fit) -> Matrix:
-    """What a fit says about its unknowns, priors included, as information to the coordinates.
+    """Return the information of a fit, priors included, with respect to the coordinates of its unknowns.
 
     Args:
         found: The fit.
@@ -219,27 +219,27 @@ def known_from(found: result.Fit) -> Matrix:
 
 
 def prior_information(problem: Problem, values: Float[np.ndarray, " n_unknowns"]) -> Matrix:
-    """What the priors say, as information to the coordinates.
+    """Return the information of the priors with respect to the coordinates.
 
     Args:
-        problem: The unknowns.
-        values: Theirs.
+        problem: Provides the unknowns.
+        values: Values of the unknowns.
     """
     rows = problem.prior_slopes(values)
     return rows.T @ rows
 
 
 def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
-    """Standard deviations of all unknowns, inf where nothing is known [-].
+    """Return the standard deviations of all unknowns, inf where nothing is known [-].
 
     Args:
-        information: In the sizes of the unknowns.
+        information: Information, in units of the sizes of the unknowns.
     """
     return identifiability.deviations(*identifiability.strengths(information))
 
 
 def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
-    """What is maximized."""
+    """Return the function to maximize."""
 
     def volume(information: Matrix) -> float:
         return 0.5 * float(np.linalg.slogdet(information + _FAINT * np.eye(len(information)))[1])
@@ -252,7 +252,7 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
 
 
 def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -> str:
-    """What becomes known by a trial, in words."""
+    """Describe in words what a trial would contribute."""
     before, after = sigma_of(known), sigma_of(known + added)
     newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
@@ -265,12 +265,12 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
         return f"shrinks most `{unknowns[k].name}`, from {share(before[k])} to {share(after[k])}"
     root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
     half = np.linalg.solve(root, added)
-    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
+    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to the known information
     return f"tells about {identifiability.combination_of(root @ news, unknowns)}"
 
 
 def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarray) -> str:
-    """What straight trials are good for, in numbers."""
+    """Describe in numbers what straight trials contribute."""
     with np.errstate(invalid="ignore"):
         k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
     words = f"After the best {n} trials that swim, `{names[k]}` is {share(swimming[k])}; after these {n}, "
@@ -278,10 +278,10 @@ def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarra
 
 
 def share(sigma: float) -> str:
-    """A standard deviation as a share of its number, in words.
+    """Format a relative standard deviation as text.
 
     Args:
-        sigma: [-].
+        sigma: Relative standard deviation [-].
     """
     if not np.isfinite(sigma) or sigma > 10.0:
         return "unknown"
@@ -297,18 +297,18 @@ def _listed(words: Sequence[str]) -> str:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Discrimination:
-    """Trials that tell rival models apart, by T of every pair: the less of the two ways to take it [-]."""
+    """Trials that tell rival models apart, judged by T of every pair: the smaller of its two directions [-]."""
 
     pairs: tuple[tuple[str, str], ...]
-    """Every two models."""
+    """All pairs of models."""
     steps: tuple[Judged, ...]
-    """The trials in the order in which they should be done, and T after each and all before it."""
+    """Trials in the order in which to do them, each with T after it and all before it."""
     alone: tuple[Judged, ...]
-    """Every candidate by itself, the best first."""
+    """Each candidate alone, best first."""
 
 
 def wrong(distance: float) -> float:
-    """Chance that the wrong one of two models has the smaller chi^2.
+    """Return the probability that the wrong one of two models has the smaller chi^2.
 
     Args:
         distance: T [-].
@@ -322,10 +322,10 @@ def discriminate(
     """Choose the trials that would tell rival models apart.
 
     Args:
-        rivals: By name: the unknowns of a model, at whose values it is judged, and the candidates as it has them: the
-            same trials in all models, with the noise that the first one says.
-        n_trials: How many are to be chosen; one may be chosen again.
-        progress: Called with the share of the models that is judged.
+        rivals: For each model by name, its problem, judged at the starting values of the unknowns, and its version of
+            the candidates: the same trials in all models, with the noise stated by the first.
+        n_trials: Number of trials to choose; each may be chosen more than once.
+        progress: Called with the fraction of the models judged.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -365,10 +365,10 @@ def discriminate(
 
 
 def _distances(total: Float[np.ndarray, "n_ways n n"]) -> Float[np.ndarray, " n_ways"]:
-    """T of every model and its rival."""
+    """Return T of every model and its rival."""
     return np.array([max(0.0, float(identifiability.marginal(one, [0])[0, 0])) for one in total])
 
 
 def _worst(distances: Float[np.ndarray, " n"]) -> float:
-    """Logarithm of what bounds the chance of a wrong verdict."""
+    """Return the logarithm of the bound on the probability of a wrong verdict."""
     return float(np.logaddexp.reduce(-distances / 8.0))

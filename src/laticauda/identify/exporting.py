@@ -1,4 +1,4 @@
-"""What was identified, put into a robot, a water, or a parameter file."""
+"""Identified values applied to a robot, a water, or a parameter file."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,13 +19,13 @@ Values = Mapping[str, float]
 
 
 def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: str) -> lc.Scenario:
-    """A scenario with what was identified for a kind of gait.
+    """Return a scenario with the values identified for a kind of gait.
 
     Args:
-        problem: What was fitted.
-        values: What was found, by the names of the unknowns.
-        scenario: What to change; numbers of what it does not have are left out.
-        gait_kind: Whose own numbers win over the general ones; "": the general ones only.
+        problem: Problem that was fitted.
+        values: Identified values, by the names of the unknowns.
+        scenario: Scenario to change; numbers of parts that it does not have are skipped.
+        gait_kind: Kind of gait whose own numbers override the general ones; "": only the general ones.
     """
     known = parameters(scenario, each=True)
     own = _for_gait(problem, values, gait_kind)
@@ -33,7 +33,7 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:
-    """What was identified as a parameter file has it; see `Fit.parameters`."""
+    """Return the identified values as a parameter file; see `Fit.parameters`."""
     bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, lc.Water)}
     if not bases:
         raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
@@ -60,7 +60,7 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc
 
 
 def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:
-    """Values by name without scope: those for all, and over them those for a kind of gait."""
+    """Return values by name without scope: the general ones, overridden by those for a kind of gait."""
     chosen = [unknown for unknown in problem.unknowns if unknown.scope in ("", gait_kind)]
     chosen.sort(key=lambda unknown: unknown.scope != "")
     result: dict[str, float] = {}
@@ -72,10 +72,10 @@ def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, flo
 
 
 def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
-    """What a parameter file can say about the robot.
+    """Return the changes to the robot that a parameter file can hold.
 
     Raises:
-        ValueError: If something was identified of the robot that it cannot say.
+        ValueError: If a number of the robot was identified that it cannot hold.
     """
     result: Changes = {}
     for name, value in _for_gait(problem, values, gait_kind).items():

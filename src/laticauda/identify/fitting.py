@@ -1,4 +1,4 @@
-"""`fit`: the values of the unknowns with which the model describes the measurements best."""
+"""`fit`: find the values of the unknowns with which the model best describes the measurements."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -17,8 +17,8 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
 from laticauda.simulate.runner import Progress, silent
 
-SPREAD = 3.0  # further starts lie within this factor of the first
-_ROUNDS = 20  # of estimating the noise beside priors
+SPREAD = 3.0  # additional starts lie within this factor of the first
+_ROUNDS = 20  # iterations of the noise estimate when there are priors
 _SAME = 1e-6
 _LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "linear": lambda z: z,
@@ -28,14 +28,14 @@ _LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "arctan": np.arctan,
 }
 _TIGHT = 1e-10
-_NEAR = 0.01  # of a large change of each coordinate: from there on a search goes where the other one did
+_NEAR = 0.01  # fraction of a large change of each coordinate: a search this close to another's end stops there
 _MOST_STEPS = 100
 
 Vector = Float[np.ndarray, " n"]
 
 
 Keep = Callable[[Mapping[str, float], float], None]
-"""What a search calls with the best values so far, by name, and their sum of squares."""
+"""Callback of a search, called with the best values so far, by name, and their sum of squares."""
 INTERRUPTED = "interrupted: these are the best values until then; what comes after was not computed."
 
 
@@ -56,35 +56,35 @@ def fit(
     keep: Keep = silent,
     **changes: Unpack[ModelChanges],
 ) -> result.Fit:
-    """Identify parameters of robot and water from measured trials, by least squares.
+    """Identify parameters of the robot and the water from measured trials by least squares.
 
-    Minimizes the sum over all measured numbers of ((predicted - measured) / sigma)^2, and over all priors of
-    ((q - mean) / sd)^2, within the ranges of the unknowns, from several starts. Ctrl-C ends
-    the search with the best until then.
+    Minimizes the sum of ((predicted - measured) / sigma)^2 over all measured numbers plus the sum of
+    ((q - mean) / sd)^2 over all priors, within the ranges of the unknowns, from several starts. Ctrl-C ends the search
+    and returns the best result so far.
 
     Args:
-        measurements: What was measured.
-        robot: What has to have swum, with or without its fin; None: what the first measurement says.
-        parameters: Names of what is identified, or `Unknown`s with ranges and priors.
-        model: planar, or spatial, the 3D twin, which is slow; None: that of the measurements' scenarios.
-        noise: known: the uncertainties take the noise as the measurements state it; estimated: a common factor on it is
+        measurements: The measurements.
+        robot: Robot that must have swum, with or without its fin; None: that of the first measurement.
+        parameters: Names of the numbers to identify, or `Unknown`s with ranges and priors.
+        model: planar, or spatial (the 3D twin, which is slow); None: that of the measurements' scenarios.
+        noise: known: the uncertainties use the noise stated by the measurements; estimated: a common factor on it is
             estimated from the residuals.
-        loss: linear, or soft_l1, huber, cauchy, arctan: outliers count less.
-        n_starts: How many starts; the first is at the values that robot and water have.
+        loss: linear, or soft_l1, huber, cauchy or arctan, which give outliers less weight.
+        n_starts: Number of starts; the first uses the values that robot and water have.
         seed: Seed of the random starts.
-        confidence: Of the intervals [-].
-        limit: From which standard deviation on, as a share of itself, an unknown counts as not identified [-].
-        threads: How many to compute with; None takes all cores that this process may use.
-        progress: Called now and then with the share that is finished, from 0 to 1.
-        keep: Called with the best values by name and their sum of squares, whenever there are better ones.
-        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
-            `laticauda.scenarios.ModelChanges`.
+        confidence: Confidence level of the intervals [-].
+        limit: Relative standard deviation from which on an unknown counts as not identified [-].
+        threads: Number of threads; None uses all cores available to this process.
+        progress: Called periodically with the finished fraction, from 0 to 1.
+        keep: Called with the best values by name and their sum of squares, whenever they improve.
+        changes: Changes of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
+            of `laticauda.scenarios.ModelChanges`.
 
     Returns:
-        Values, intervals, correlations, predictions, and what the data do not see.
+        Values, intervals, correlations, predictions, and the directions that the data do not see.
 
     Raises:
-        ValueError: If an argument is out of its range, or there are fewer numbers than unknowns.
+        ValueError: If an argument is out of its range, or there are fewer measured numbers than unknowns.
         SimulationFailed: If a measurement cannot be simulated at any start.
         MissingExtra: If scipy is not installed.
 
@@ -111,10 +111,10 @@ def solve(
 
     Args:
         problem: Measurements and unknowns.
-        method: How.
-        start: Values to begin with instead of the problem's own.
-        progress: Called now and then with the share that is finished.
-        keep: Called with the best values by name and their sum of squares, whenever there are better ones.
+        method: Settings of the fit.
+        start: Starting values to use instead of the problem's own.
+        progress: Called periodically with the finished fraction.
+        keep: Called with the best values by name and their sum of squares, whenever they improve.
     """
     _check_enough(problem, method)
     searches: list[result.LocalSearch] = []
@@ -155,7 +155,7 @@ def solve(
 
 
 def _starts(problem: Problem, method: result.Method, first: np.ndarray) -> list[np.ndarray]:
-    """Coordinates to begin with: the first, and a Latin hypercube around it, the same for a given seed."""
+    """Return the starting coordinates: the first, and a Latin hypercube around it, the same for a given seed."""
     x, n = problem.x_of(first), method.n_starts - 1
     rng = np.random.default_rng(method.seed)
     columns: list[np.ndarray] = []
@@ -167,7 +167,7 @@ def _starts(problem: Problem, method: result.Method, first: np.ndarray) -> list[
 
 
 def _with_noise(problem: Problem, method: result.Method, best: result.LocalSearch, steps: int) -> result.LocalSearch:
-    """The search again with the noise as the residuals have it, until both agree; once, without priors."""
+    """Repeat the search with the noise estimated from the residuals until both agree; without priors, rescale once."""
     factor = 1.0
     for _ in range(_ROUNDS):
         information = problem.information(best.jacobian)
@@ -186,7 +186,7 @@ def _with_noise(problem: Problem, method: result.Method, best: result.LocalSearc
 
 
 def _check_enough(problem: Problem, method: result.Method) -> None:
-    """Refuse fewer numbers than unknowns."""
+    """Reject fewer measured numbers than unknowns."""
     n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
     n_data, n_free = problem.observed.size, len(problem.unknowns) - n_priors
     more = 1 if method.noise == "estimated" else 0
@@ -212,7 +212,7 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
 
 
 class _Arrived(Exception):
-    """A search has come to where another one ended: its argument."""
+    """Raised when a search arrives where another one ended; the argument is that other search."""
 
 
 def minimize(
@@ -226,20 +226,20 @@ def minimize(
     look: Callable[[Vector, float], None] = silent,
     known: Sequence[result.LocalSearch] = (),
 ) -> result.LocalSearch:
-    """One search.
+    """Run one search.
 
     Args:
         problem: Measurements and unknowns.
-        x: Coordinates to begin with.
-        loss: How residuals count.
-        factor: How many times the stated noise counts.
-        free: Numbers of the unknowns that may change; None: all.
-        steps: How many at most.
-        look: Called with all coordinates and the sum of squares of every step.
-        known: Searches before; one that comes close to where another ended, as good as it, ends there.
+        x: Starting coordinates.
+        loss: Loss function of the residuals.
+        factor: Factor applied to the stated noise.
+        free: Indices of the unknowns that may change; None: all.
+        steps: Maximum number of steps.
+        look: Called with all coordinates and the sum of squares at every step.
+        known: Earlier searches; a search that comes close to the end of one of them, equally good, ends there.
 
     Returns:
-        Where it ended, with all coordinates, and the Jacobian of those that are free.
+        The finished search, with all coordinates and the Jacobian with respect to the free ones.
 
     Raises:
         MissingExtra: If scipy is not installed.
@@ -294,18 +294,18 @@ def minimize(
 def all_residuals(
     problem: Problem, values: Float[np.ndarray, " n_unknowns"], factor: float = 1.0, predicted: Predicted | None = None
 ) -> Float[np.ndarray, " n_residuals"]:
-    """Those of the data and of the priors, in standard deviations.
+    """Return the residuals of the data and of the priors, in standard deviations.
 
     Args:
         problem: Measurements and unknowns.
-        values: Of the unknowns.
-        factor: How many times the stated noise counts.
-        predicted: What the model says there, if that is known.
+        values: Values of the unknowns.
+        factor: Factor applied to the stated noise.
+        predicted: Prediction at these values, if already computed.
     """
     data = ((predicted or predict(problem, values)).values - problem.observed) / (factor * problem.sigma)
     return np.concatenate([data, problem.prior_residuals(values)])
 
 
 def cost_of(residuals: Float[np.ndarray, " n_residuals"], loss: str) -> float:
-    """What a search minimizes: the sum of rho(r^2) with the loss function rho."""
+    """Compute what a search minimizes: the sum of rho(r^2), with the loss function rho."""
     return float(np.sum(_LOSSES[loss](residuals**2)))

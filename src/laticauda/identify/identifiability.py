@@ -1,4 +1,4 @@
-"""What the data do not see: directions in the space of the unknowns along which the predictions hardly change."""
+"""Identifiability: directions in the space of the unknowns along which the predictions hardly change."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from jaxtyping import Float
 from laticauda.identify.unknowns import ResolvedUnknown
 
 LIMIT = 0.5
-"""A combination whose standard deviation is more than this share of itself counts as not seen [-]."""
-_FLAT = 1e-13  # eigenvalues below this share of the greatest are rounding
-_PART = 0.25  # members of a combination below this share of its greatest one are left out of its name
-_HARDLY = 0.1  # members of a direction below this share of its length are those that hardly take part
-_ALIKE = 0.2  # exponents that differ by less than this share are called equal,
-_ABOUT = 0.5  # and about equal if none is less than this share of the greatest
+"""Relative standard deviation above which a combination counts as not seen by the data [-]."""
+_FLAT = 1e-13  # eigenvalues below this fraction of the largest are rounding errors
+_PART = 0.25  # members of a combination below this fraction of its largest one are left out of its name
+_HARDLY = 0.1  # members of a direction below this fraction of its length hardly take part in it
+_ALIKE = 0.2  # exponents that differ by less than this fraction of the largest are called equal,
+_ABOUT = 0.5  # and about equal if none is below this fraction of the largest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -22,27 +22,27 @@ class Direction:
     """One eigenvector of the information: a combination of the unknowns."""
 
     weights: Float[np.ndarray, " n_unknowns"]
-    """Of the unknowns, of length 1: of their logarithms, or in their sizes on a linear scale [-]."""
+    """Unit vector of weights of the unknowns: of their logarithms, or in units of their sizes on a linear scale [-]."""
     sigma: float
-    """Standard deviation of the combination as the data have it, inf if they do not see it at all [-]."""
+    """Standard deviation of the combination given the data; inf if they do not see it at all [-]."""
     is_seen: bool
-    """Whether no unknown is more uncertain than the limit for it."""
+    """Whether its uncertainty moves no unknown by more than the limit."""
     name: str
-    """The combination in words: what is multiplied and divided."""
+    """The combination in words: which unknowns are multiplied and divided."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Identifiability:
-    """What data can say about unknowns near some values of them, without any prior."""
+    """What data can say about unknowns near given values, without any prior."""
 
     directions: tuple[Direction, ...]
-    """From the one seen best to the one seen worst."""
+    """Directions, from the best seen to the worst seen."""
     sigma: Float[np.ndarray, " n_unknowns"]
-    """Of each unknown: its standard deviation, as a share of it or of its size; inf if unseen [-]."""
+    """Standard deviation of each unknown, relative to its value or its size; inf if unseen [-]."""
     without_effect: tuple[str, ...]
-    """Unknowns that no number depends on."""
+    """Unknowns on which no measured number depends."""
     limit: float
-    """What counts as not seen [-]."""
+    """Relative standard deviation above which a combination counts as not seen [-]."""
 
     @property
     def unseen(self) -> tuple[Direction, ...]:
@@ -51,22 +51,23 @@ class Identifiability:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """A sentence for each of them."""
+        """A sentence for each unseen direction."""
         return tuple(f"The data do not see {direction.name}." for direction in self.unseen)
 
 
 def identifiability(
     information: Float[np.ndarray, "n n"], unknowns: Sequence[ResolvedUnknown], *, limit: float = LIMIT
 ) -> Identifiability:
-    """Eigenvalues and eigenvectors of the information, in shares of the unknowns.
+    """Analyze the eigenvalues and eigenvectors of the information, relative to the sizes of the unknowns.
 
-    With the Jacobian J of the residuals (in standard deviations) to x = ln q, or to q in its size, the information is
-    F = J^T J. The eigenvector w with the eigenvalue e stands for a combination that the data know to 1/sqrt(e).
+    With the Jacobian J of the residuals (in standard deviations) with respect to x = ln q, or to q in units of its
+    size, the information is F = J^T J. An eigenvector w with eigenvalue e is a combination whose standard deviation is
+    1/sqrt(e).
 
     Args:
-        information: F, of the data alone.
-        unknowns: In its order.
-        limit: A combination whose standard deviation is more than this share of itself counts as not seen [-].
+        information: F of the data alone.
+        unknowns: The unknowns, in the order of F.
+        limit: Relative standard deviation above which a combination counts as not seen [-].
     """
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)
@@ -93,10 +94,10 @@ def identifiability(
 
 
 def strengths(information: Float[np.ndarray, "n n"]) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    """Eigenvalues of an information, 0 where they are rounding, and its eigenvectors, a column each.
+    """Return the eigenvalues of an information matrix, 0 for rounding errors, and its eigenvectors as columns.
 
     Args:
-        information: In the sizes of the unknowns.
+        information: Information, in units of the sizes of the unknowns.
     """
     eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
     return np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0), vectors
@@ -107,15 +108,15 @@ def deviations(
     vectors: Float[np.ndarray, "n n"],
     reach: Float[np.ndarray, " n"] | float = np.inf,
 ) -> Float[np.ndarray, " n"]:
-    """Square roots of the diagonal of the inverse; inf for what an eigenvalue of 0 takes part in.
+    """Return the square roots of the diagonal of the inverse; inf for unknowns in a direction with eigenvalue 0.
 
     Args:
-        eigenvalues: Of the information.
-        vectors: Its eigenvectors, a column each.
-        reach: How far one can go along each before a range ends: what hardly takes part moves no further with it.
+        eigenvalues: Eigenvalues of the information.
+        vectors: Its eigenvectors, as columns.
+        reach: Distance along each eigenvector to the end of a range; it bounds unknowns that hardly take part.
     """
     share = vectors**2
-    takes_part = (share > 1e-8) | (eigenvalues > 0.0)  # less is rounding of the eigenvectors
+    takes_part = (share > 1e-8) | (eigenvalues > 0.0)  # smaller shares are rounding errors of the eigenvectors
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(takes_part, share / eigenvalues, 0.0)
         led = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
@@ -123,11 +124,11 @@ def deviations(
 
 
 def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
-    """Information about some unknowns where all others stay unknown too: a Schur complement.
+    """Return the information about some unknowns while all others stay unknown too: a Schur complement.
 
     Args:
-        information: About all.
-        keep: Numbers of those that count.
+        information: Information about all unknowns.
+        keep: Indices of the unknowns to keep.
     """
     rest = [k for k in range(len(information)) if k not in keep]
     between = information[np.ix_(list(keep), rest)]
@@ -136,11 +137,11 @@ def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Floa
 
 
 def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[ResolvedUnknown]) -> str:
-    """A combination of unknowns in words.
+    """Describe a combination of unknowns in words.
 
     Args:
-        weights: Of their coordinates, in their sizes; any length.
-        unknowns: In this order.
+        weights: Weights of their coordinates, in units of their sizes; of any norm.
+        unknowns: The unknowns, in the same order.
     """
     weights = _oriented(weights / np.linalg.norm(weights))
     greatest = np.max(np.abs(weights))
@@ -163,5 +164,5 @@ def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Resolved
 
 
 def _oriented(vector: np.ndarray) -> np.ndarray:
-    """With its greatest member positive."""
+    """Return the vector with the sign that makes its largest component positive."""
     return vector * np.sign(vector[np.argmax(np.abs(vector))])

@@ -1,4 +1,4 @@
-"""What was measured, figures or series with their noise: by a trial, and what a run would give."""
+"""Measurements: figures or series with their noise, taken from a trial or predicted from a run."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -17,33 +17,33 @@ from laticauda.simulate.numbers import UNITS
 from laticauda.trial import arrays
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
-"""Time series that a trial can be compared with, and their units."""
+"""Time series with which a trial can be compared, and their units."""
 LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
-"""What a tow gives, and the units: see `Tow`."""
+"""Loads of a tow, and their units; see `Tow`."""
 _PAIR = "a pair of what was measured and the sigma of its noise"
-_COLUMNS: dict[str, tuple[int, ...]] = {"heading": (), "center_of_mass": (2,)}  # of series; others: any number of them
+_COLUMNS: dict[str, tuple[int, ...]] = {"heading": (), "center_of_mass": (2,)}  # of a series; others have any number
 
 Numbers = Float[np.ndarray, " n"]
 Run = dict[str, Any]
-"""What a run gave, by name of figure or series; complex if it has a derivative."""
+"""Results of a run, by name of figure or series; complex if they carry a derivative."""
 
 
 @value
 class Tow:
-    """A straight robot that is pulled at a constant velocity, and the loads that hold it: `LOADS`.
+    """Tow of a straight robot at a constant velocity, and the loads that hold it (`LOADS`).
 
-    The drag is along the body, the side force across it, positive for a positive angle as the yaw moment about the
-    middle of the links is where it turns the robot further away.
+    The drag is along the body, and the side force across it. For a positive angle, the side force is positive, and the
+    yaw moment about the middle of the links is positive if it turns the robot further away.
     """
 
     speed: float = quantity("m/s", "Through the water", gt=0.0)
     angle: float = quantity("rad", "From the direction of the tow to the heading", default=0.0)
 
     def loads(self, scenario: lc.Scenario) -> dict[str, float]:
-        """The loads of the water.
+        """Compute the loads exerted by the water.
 
         Args:
-            scenario: Of robot and water; what else it has does not count.
+            scenario: Scenario that provides robot and water; all else is ignored.
         """
         plant = PlanarPlant(robot=scenario.robot, environment=scenario.environment)
         along, across, moment = plant.towing_load(self.speed, self.angle)
@@ -52,35 +52,35 @@ class Tow:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
-    """A scenario and what one trial of it gave, from straight and at rest: figures, time series, or both.
+    """A scenario and the results of one trial of it, begun straight and at rest: figures, time series, or both.
 
-    The noise of every number is taken as normal and independent of all others, with the standard deviation given.
+    The noise of every number is assumed normal with the given standard deviation, and independent of all others.
 
     Raises:
         ValueError: If a field is out of its range, a number is not finite, or nothing was measured.
     """
 
     name: str
-    """What tables and messages call it; no two of a fit alike."""
+    """Name in tables and messages; unique within a fit."""
     scenario: lc.Scenario
-    """What swam, how and where: robot, gait, water, start and duration; what is not identified stays as it is there."""
+    """Robot, gait, water, start and duration of the trial; numbers that are not identified keep their values in it."""
     group: str = ""
-    """Which measurements it belongs with, to be left out together; "": those of its gait, with or without fin."""
+    """Group of measurements that are left out together; "": those of its gait, with or without fin."""
     figures: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
-    """By name of the figure (of `Swims`; x, y, heading: at the end): value and standard deviation of its noise."""
+    """Value and standard deviation of the noise by name of the figure (of `Swims`; x, y, heading: at the end)."""
     time: Numbers | None = None
-    """When the series were sampled, from the begin of the trial; None without series [s]."""
+    """Sample times of the series, from the beginning of the trial; None without series [s]."""
     series: Mapping[str, tuple[np.ndarray, float]] = field(default_factory=dict[str, tuple[np.ndarray, float]])
-    """By name, of `SERIES`: samples, time first, and standard deviation of the noise of each."""
+    """Samples, time first, and standard deviation of the noise of each, by name from `SERIES`."""
     selected_from: int = 1
-    """Of how many settings that are about as good it was taken for being the best; 1: it was not selected [-]."""
+    """Number of about equally good settings from which it was selected as the best; 1: it was not selected [-]."""
     free_start: bool = True
-    """Whether where it began is unknown to a fit, if a path or a heading counts; False: the start is exact."""
+    """Whether its start is unknown to a fit, if a path or a heading is used; False: the start is exact."""
     tow: Tow | None = None
-    """How the straight robot was towed; then nothing swam, and figures are loads."""
+    """How the straight robot was towed; if given, nothing swam, and the figures are loads."""
 
     def __post_init__(self) -> None:
-        """Check every field once, and freeze what it holds."""
+        """Check every field once, and freeze its contents."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise BadArgument("name", f"must be a text that is not empty, got {self.name!r}")
         instance("scenario", self.scenario, lc.Scenario)
@@ -129,10 +129,10 @@ class Measurement:
 
     @property
     def starts(self) -> dict[str, tuple[float, float] | None]:
-        """What of its begin a fit adds to its unknowns, and what is known of each before: mean and standard deviation.
+        """Start values that a fit adds to its unknowns, and the prior of each: mean and standard deviation.
 
-        A start that the sensor saw has the sensor's noise. Where a series begins with the trial, its first sample says
-        so, and a prior would say it twice.
+        A start that the sensor saw has the sensor's noise. If a series begins with the trial, its first sample contains
+        this information, and a prior would count it twice.
         """
         if not self.free_start or self.time is None:
             return {}
@@ -143,15 +143,15 @@ class Measurement:
 
     @property
     def coasts(self) -> bool:
-        """Whether the straight robot was let go with a speed."""
+        """Whether the straight robot was released at a speed."""
         start = self.scenario.start
         return self.scenario.gait.amplitude == 0.0 and isinstance(start, lc.Start) and start.velocity != 0.0
 
     def without_bias(self, figure: str) -> float:
-        """A figure less what selection adds to it on average; power is not what a setting was selected for.
+        """Return a figure minus its mean selection bias; power has none, as settings were not selected for it.
 
         Args:
-            figure: Its name.
+            figure: Name of the figure.
         """
         value, sigma = self.figures[figure]
         bias = mean_of_the_greatest(self.selected_from) if figure.endswith("_velocity") else 0.0
@@ -159,7 +159,7 @@ class Measurement:
 
 
 def _usual_group(scenario: lc.Scenario) -> str:
-    """Gait, with or without fin."""
+    """Return the default group: gait, with or without fin."""
     return f"{scenario.gait.words}, {'without' if scenario.robot.caudal_fin is None else 'with'} fin"
 
 
@@ -173,20 +173,21 @@ def from_trial(
     group: str = "",
     free_start: bool = True,
 ) -> Measurement:
-    """A trial, simulated or recorded, as a measurement. It must begin straight, about where it says, and at rest.
+    """Convert a trial, simulated or recorded, to a measurement.
 
-    A gait without amplitude is a coast-down: that one begins with the speed that it has.
+    The trial must begin straight, about where it says, and at rest. A gait without amplitude is a coast-down, which
+    begins with the speed that it has.
 
     Args:
-        trial: With a gait.
-        name: What tables and messages call it.
-        figures: Names of figures, and the standard deviation of each one's noise in its own unit.
-        series: The same for series; of a path in space its x and y.
-        every: Which samples of the series count: every so many. Samples so close that their noise is the same
-            noise say nothing new, and a fit that counts them all is too sure of itself.
-        group: Which measurements it belongs with, to be left out together; "": those of its gait, with or without fin.
-        free_start: Whether where it began is unknown to a fit, if a path or a heading counts; False: the start is
-            exact. The first sample has noise as all others have: taken for exact, it pushes them.
+        trial: Trial that has a gait.
+        name: Name in tables and messages.
+        figures: Names of figures, and the standard deviation of the noise of each in its own unit.
+        series: Names of series, with the same; of a path in space, its x and y.
+        every: Stride between the samples of the series that are used. Samples so close that they share their noise add
+            no information, and a fit that uses them all is overconfident.
+        group: Group of measurements that are left out together; "": those of its gait, with or without fin.
+        free_start: Whether its start is unknown to a fit, if a path or a heading is used; False: the start is exact.
+            The first sample is as noisy as all others: if taken as exact, it shifts them.
 
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.
@@ -225,12 +226,12 @@ def from_trial(
 
 
 def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: Mapping[str, Any]) -> np.ndarray:
-    """What a measurement would show of a run: the tracked point, the tracker's heading, the meter's power.
+    """Return what a measurement would show of a run: the tracked point, the tracker's heading, the meter's power.
 
     Args:
-        measurement: Says what was measured.
-        run: What the run gave.
-        nuisance: Values of `NUISANCE` by name; what is missing is 0.
+        measurement: Defines what was measured.
+        run: Results of the run.
+        nuisance: Values of the `NUISANCE` parameters by name; missing ones are 0.
     """
     ahead, left = nuisance.get("measured.offset_x", 0.0), nuisance.get("measured.offset_y", 0.0)
 
@@ -244,7 +245,7 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
             return value
         c, s = np.cos(run[f"heading{of}"]), np.sin(run[f"heading{of}"])
         offset = {"x": ahead * c - left * s, "y": ahead * s + left * c}
-        start = {axis: nuisance.get(f"start.{axis}", 0.0) for axis in "xy"}  # water is everywhere the same
+        start = {axis: nuisance.get(f"start.{axis}", 0.0) for axis in "xy"}  # the water is the same everywhere
         if name in offset:
             return value + start[name] + offset[name]
         return value + np.array([*start.values()]) + np.stack((offset["x"], offset["y"]), axis=-1)
@@ -254,18 +255,18 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
 
 
 def mean_of_the_greatest(n: int) -> float:
-    """Mean of the greatest of n independent standard normal numbers: 0, 0.564, 0.846, 1.029 for n = 1 to 4 [-].
+    """Return the mean maximum of n independent standard normal numbers: 0, 0.564, 0.846, 1.029 for n = 1 to 4 [-].
 
-    Of n settings that are equally good in truth, the one that is measured best stands in the table. Its noise is the
-    greatest of n. With the distribution function F and the density f of the standard normal,
+    Of n settings that are truly equally good, the one that is measured best appears in the table. Its noise is the
+    maximum of n. With the distribution function F and the density f of the standard normal distribution,
 
         E[max] = n integral x f(x) F(x)^(n-1) dx
 
     Args:
-        n: How many, at least 1.
+        n: Number of settings, at least 1.
 
     Raises:
-        ValueError: If it is no whole number >= 1.
+        ValueError: If n is not a whole number >= 1.
     """
     whole("n", n, 1)
     if n == 1:

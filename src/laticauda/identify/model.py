@@ -1,7 +1,7 @@
-"""What the model says about measurements, and the derivatives of that to the unknowns.
+"""Model predictions of the measurements, and their derivatives with respect to the unknowns.
 
-The planar model computes all trials side by side, and their derivatives by a complex step in the kernels. The 3D twin
-is run trial by trial, and its derivatives are differences.
+The planar model computes all trials in a batch, and their derivatives with a complex step in the kernels. The 3D twin
+runs trial by trial, and its derivatives are finite differences.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,35 +22,35 @@ from laticauda.simulate import derivatives, many, numbers, several
 from laticauda.simulate.runner import silent
 from laticauda.trial import Trial
 
-TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
-DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change
+TOW_DIFFERENCE = 2.0**-12  # step of the finite differences of a tow's loads, relative to the value
+DIFFERENCE = 1e-3  # step of the 3D twin's finite differences, as a fraction of a large change
 
 Values = Float[np.ndarray, " n_unknowns"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Predicted:
-    """What the model says at some values of the unknowns."""
+    """Model predictions at given values of the unknowns."""
 
     values: Float[np.ndarray, " n_data"]
-    """As `Problem.observed`; nan where a run diverged."""
+    """Predicted values, in the order of `Problem.observed`; nan where a run diverged."""
     failures: Mapping[str, str]
-    """How runs ended that diverged, by name of the measurement."""
+    """Status of each run that diverged, by name of the measurement."""
     differentiated: Callable[[], Float[np.ndarray, "n_data n_unknowns"]]
-    """Works out the `jacobian`."""
+    """Function that computes the `jacobian`."""
 
     @cached_property
     def jacobian(self) -> Float[np.ndarray, "n_data n_unknowns"]:
-        """Derivative of each value to each unknown, worked out when it is asked for."""
+        """Derivative of each value with respect to each unknown, computed on first access."""
         return self.differentiated()
 
 
 def predict(problem: Problem, values: Values) -> Predicted:
-    """What the model says about all measurements.
+    """Predict all measurements with the model.
 
     Args:
         problem: Measurements and unknowns.
-        values: Of the unknowns, in their units.
+        values: Values of the unknowns, in their units.
     """
     scenarios = problem.scenarios_at(values)
     if isinstance(problem.model, Planar):
@@ -65,26 +65,26 @@ def predict(problem: Problem, values: Values) -> Predicted:
 def scaled_jacobian(
     problem: Problem, values: Values, factor: float = 1.0, predicted: Predicted | None = None
 ) -> Float[np.ndarray, "n_data n_unknowns"]:
-    """The Jacobian in standard deviations of the noise, to the coordinates of the unknowns.
+    """Compute the Jacobian with respect to the coordinates of the unknowns, in standard deviations of the noise.
 
     Args:
         problem: Measurements and unknowns.
-        values: Of the unknowns.
-        factor: How many times the stated noise counts.
-        predicted: What the model says there, if that is known.
+        values: Values of the unknowns.
+        factor: Factor applied to the stated noise.
+        predicted: Prediction at these values, if already computed.
     """
     jacobian = (predicted or predict(problem, values)).jacobian
     return jacobian / (factor * problem.sigma)[:, np.newaxis] * problem.slopes(values)
 
 
 def _seen(problem: Problem, raw: Sequence[Raw], values: np.ndarray) -> np.ndarray:
-    """What was measured of every run."""
+    """Return the measured quantities of every run."""
     parts = [measured_values(m, raw[i], problem.nuisance(i, values)) for i, m in enumerate(problem.measurements)]
     return np.concatenate(parts)
 
 
 def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[float, list[int]]:
-    """Places in `members` of scenarios of equal duration."""
+    """Return, by duration, the positions in `members` of scenarios of that duration."""
     found: dict[float, list[int]] = {}
     for place, i in enumerate(members):
         found.setdefault(scenarios[i].duration, []).append(place)
@@ -92,14 +92,14 @@ def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[
 
 
 def _towed(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], list[int]]:
-    """What the water does to robots that are towed, and the places of the measurements that swim."""
+    """Return the loads on robots that are towed, and the indices of the measurements that swim."""
     tows = [one.tow for one in problem.measurements]
     raw: list[Raw] = [{} if tow is None else dict(tow.loads(one)) for tow, one in zip(tows, scenarios, strict=True)]
     return raw, [i for i, tow in enumerate(tows) if tow is None]
 
 
 def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
-    """What every measurement's run gives."""
+    """Simulate every measurement with the planar model; return the raw results and the failures."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     for duration, places in _by_duration(scenarios, swum).items():
         members = [swum[place] for place in places]
@@ -122,7 +122,7 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
 
 
 def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Values, raw: Sequence[Raw]) -> np.ndarray:
-    """The Jacobian, pair by pair of a measurement and an unknown."""
+    """Compute the Jacobian for each pair of a measurement and an unknown."""
     jacobian = np.zeros((problem.owner.size, len(problem.unknowns)))
     data_of = [np.flatnonzero(problem.owner == i) for i in range(len(scenarios))]
     simulated: list[tuple[int, int]] = []
@@ -157,7 +157,7 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
 
 
 def _towed_slope(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> np.ndarray:
-    """Derivative of a tow's loads to one unknown; of order two, of smooth functions in closed form."""
+    """Differentiate a tow's loads, smooth functions in closed form, with respect to one unknown, to second order."""
     measurement, unknown = problem.measurements[i], problem.unknowns[k]
     step = TOW_DIFFERENCE * (abs(float(values[k])) or unknown.size)
     ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper).tolist()
@@ -168,7 +168,7 @@ def _towed_slope(problem: Problem, scenario: Scenario, i: int, k: int, values: V
 
 
 def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> derivatives.Number:
-    """One unknown of one measurement, for `slopes`."""
+    """Return one unknown of one measurement in the form that `slopes` takes."""
     unknown, value = problem.unknowns[k], float(values[k])
     name = unknown.parameter.name
     if name in unknowns.NUISANCE:
@@ -179,7 +179,7 @@ def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values
             change=lambda _: scenario,
             start=lambda other: shifted(scenario.start, name, other - value),
         )
-    # Where the search has come to, what is tied is in proportion already.
+    # At the current point of the search, tied numbers are already in proportion.
     change = partial(_changed, scenario, name, unknown.tied)
     return derivatives.Number(name=name, scenario=scenario, value=value, change=change)
 
@@ -193,7 +193,7 @@ def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:
 
 
 def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Callable[[Sequence[Run], Block], None]:
-    """What keeps of a block's logs what the measurements of its runs have series of."""
+    """Return a callback that keeps, from a block's logs, the series that the measurements of its runs have."""
     measurements = [problem.measurements[i] for i in members]
 
     def keep(runs: Sequence[Run], block: Block) -> None:
@@ -217,7 +217,7 @@ def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Cal
 
 
 def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
-    """The same by the 3D twin, run by run on threads."""
+    """Simulate every measurement with the 3D twin, run by run on several threads."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     trials = several.swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
     for i, trial in zip(swum, trials, strict=True):
@@ -233,7 +233,7 @@ def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list
 
 
 def _raw_of(trial: Trial, measurement: Measurement) -> Raw:
-    """What a trial gave, in the plane."""
+    """Return the raw results of a trial in the horizontal plane."""
     end = trial.center_of_mass[-1]
     raw: Raw = {"x": end[0], "y": end[1], "heading": trial.heading[-1]}
     raw |= {name: getattr(trial, name) for name in measurement.figures if name not in raw}
@@ -246,7 +246,7 @@ def _raw_of(trial: Trial, measurement: Measurement) -> Raw:
 
 
 def _differences(problem: Problem, values: Values) -> np.ndarray:
-    """The Jacobian of the 3D twin by central differences."""
+    """Compute the Jacobian of the 3D twin by central differences."""
     columns: list[np.ndarray] = []
     for k, unknown in enumerate(problem.unknowns):
         step = DIFFERENCE * unknown.slope(float(values[k])) * unknown.size
@@ -259,12 +259,12 @@ def _differences(problem: Problem, values: Values) -> np.ndarray:
 
 
 def interpolated(time: Float[np.ndarray, " n"], values: np.ndarray, moments: Float[np.ndarray, " m"]) -> np.ndarray:
-    """Samples at other moments: the cubic through the four nearest ones, on an even grid of at least four samples.
+    """Interpolate at least four evenly spaced samples at other times, by the cubic through the four nearest ones.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         values: The samples, time first; may be complex.
-        moments: [s].
+        moments: Times at which to interpolate [s].
     """
     step = (time[-1] - time[0]) / (time.size - 1)
     place = (moments - time[0]) / step

@@ -1,9 +1,9 @@
-"""Noise that neighbors in time share, as calibration, waves and a model that is not quite right make it.
+"""Noise that is correlated between neighboring samples, caused by calibration errors, waves or model error.
 
 If the correlation C of the noise n falls by the factor r from sample to sample, C_ij = r^|i - j|, a fit leaves the
-residuals e = n - J F^-1 J^T n, and the covariance of what it finds is F^-1 (J^T C J) F^-1 instead of F^-1: the
-sandwich. What a fit takes out of its residuals makes them look less correlated than the noise is, so r is the one with
-which drawn noise, after the same fit, has the lag-1 correlation of the residuals.
+residuals e = n - J F^-1 J^T n, and the covariance of its estimates is F^-1 (J^T C J) F^-1 (the sandwich) instead of
+F^-1. A fit absorbs part of the noise, so its residuals look less correlated than the noise is. Therefore r is chosen
+such that random noise, after the same fit, has the lag-1 correlation of the residuals.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,13 +14,13 @@ from jaxtyping import Float
 from laticauda.errors import optional_import
 from laticauda.identify.problem import Problem
 
-_SURE = 3.1  # standard deviations; white noise is that far off once in 1000 times
-_ROUNDING = 1e-3  # of the stated noise: residuals below are no measurement's
+_SURE = 3.1  # standard deviations; white noise is this far off in 1 of 1000 cases
+_ROUNDING = 1e-3  # of the stated noise: smaller residuals do not come from a measurement
 _DRAWS, _ROUNDS = 50, 12
 _MOST = 0.98
 
 Chains = Mapping[str, list[np.ndarray]]
-"""By kind of series: of each, the numbers of its data, time first."""
+"""For each kind of series, the indices of the data of every such series, time first."""
 
 
 def widening(
@@ -29,13 +29,13 @@ def widening(
     off: Float[np.ndarray, " n_data"],
     degrees: float | None,
 ) -> tuple[Float[np.ndarray, " n_unknowns"], dict[str, float]]:
-    """How many times as wide correlated noise makes intervals, never less than once, and r by kind of series.
+    """Compute the factor (at least 1) by which correlated noise widens the intervals, and r for each kind of series.
 
     Args:
         problem: Measurements and unknowns.
-        jacobian: Of the residuals, those of the priors last.
+        jacobian: Jacobian of the residuals, those of the priors last.
         off: The residuals of the data.
-        degrees: Of freedom, if they estimated the noise: correlated noise leaves less of itself in the residuals.
+        degrees: Degrees of freedom, if the residuals estimated the noise: less of correlated noise remains in them.
     """
     data, priors = np.split(jacobian * problem.sizes, [off.size])
     inverse = np.linalg.pinv(data.T @ data + priors.T @ priors, rcond=1e-13, hermitian=True)
@@ -54,7 +54,7 @@ def widening(
 
 
 def _lags(chains: Chains, off: np.ndarray, left_of: Callable[[np.ndarray], np.ndarray]) -> dict[str, float]:
-    """r of the kinds of series whose residuals show one; `left_of` gives what a fit leaves of noise."""
+    """Estimate r for the kinds of series with correlated residuals; `left_of` returns what a fit leaves of noise."""
     white = np.random.default_rng(0).standard_normal((off.size, _DRAWS))
 
     def missing(lags: Mapping[str, float]) -> dict[str, float]:
@@ -83,17 +83,17 @@ def _chains(problem: Problem, off: np.ndarray) -> Chains:
 
 
 def _lag(residuals: np.ndarray, chains: list[np.ndarray]) -> float:
-    """Lag-1 correlation."""
+    """Compute the lag-1 correlation."""
     beside = sum(float(np.sum(residuals[chain[1:]] * residuals[chain[:-1]])) for chain in chains)
     return beside / sum(float(np.sum(residuals[chain] ** 2)) for chain in chains)
 
 
 def _scales(chain: np.ndarray, lag: float) -> np.ndarray:
-    """What is new of every sample: all of the first one."""
+    """Return the scale of the new noise in every sample: 1 for the first."""
     return np.where(np.arange(len(chain)) > 0, np.sqrt(1.0 - lag**2), 1.0)[:, np.newaxis, np.newaxis]
 
 
 def _summed(rows: np.ndarray, lag: float) -> np.ndarray:
-    """Every sample with what is left of those before it."""
+    """Add to every sample what is left of those before it."""
     signal = optional_import("Identification", "scipy", "identify", "scipy.signal")
     return signal.lfilter([1.0], [1.0, -lag], rows, axis=0)

@@ -1,4 +1,4 @@
-"""An identification as a value: which measurements, which unknowns, and how they belong together."""
+"""Identification problem: the measurements, the unknowns, and the dependence between them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,46 +19,46 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
 from laticauda.simulate.numbers import Parameter, changed
 
-_RARE = 5e-4  # of all cases a chi^2 is below its range, and above it
+_RARE = 5e-4  # probability that chi^2 is below its range, and that it is above
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
 
 
 class Place(NamedTuple):
-    """Where a measured figure, or a measured series, stands among the data."""
+    """Position of a measured figure or series in the data."""
 
     owner: int
-    """Number of its measurement."""
+    """Index of its measurement."""
     what: str
     """Name of the figure or series."""
     is_series: bool
-    """Which of the two."""
+    """Whether it is a series."""
     at: slice
-    """Its numbers."""
+    """Slice of the data that holds its numbers."""
     sigma: float
-    """Standard deviation of the noise of each."""
+    """Standard deviation of the noise of each number."""
 
     @property
     def size(self) -> int:
-        """How many they are."""
+        """Number of its data."""
         return self.at.stop - self.at.start
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
-    """Measurements and unknowns that fit together; made by `make_problem`."""
+    """Measurements and unknowns that match; created by `make_problem`."""
 
     measurements: tuple[Measurement, ...]
-    """What was measured; the scenario of each has the model by which all of them are simulated."""
+    """The measurements; the scenario of each has the model with which all of them are simulated."""
     unknowns: tuple[ResolvedUnknown, ...]
-    """What is looked for."""
+    """Unknowns to be identified."""
     moves: Bool[np.ndarray, "n_measurements n_unknowns"]
-    """Whether a measurement depends on an unknown."""
+    """Whether each measurement depends on each unknown."""
     threads: int | None
-    """How many compute."""
+    """Number of threads."""
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
-        """Where every figure and every series stands among the data: measurement by measurement, its figures first."""
+        """Positions of all figures and series in the data, measurement by measurement, figures first."""
         found: list[Place] = []
         at = 0
         for owner, one in enumerate(self.measurements):
@@ -71,7 +71,7 @@ class Problem:
 
     @cached_property
     def observed(self) -> Float[np.ndarray, " n_data"]:
-        """All measured numbers in the order of `places`; without the bias of selection."""
+        """All measured numbers in the order of `places`, without the selection bias."""
         parts: list[Any] = []
         for one in self.places:
             m = self.measurements[one.owner]
@@ -80,78 +80,78 @@ class Problem:
 
     @cached_property
     def sigma(self) -> Float[np.ndarray, " n_data"]:
-        """Standard deviation of the noise of each."""
+        """Standard deviation of the noise of each measured number."""
         return np.concatenate([np.full(one.size, one.sigma) for one in self.places])
 
     @cached_property
     def owner(self) -> Int[np.ndarray, " n_data"]:
-        """Number of the measurement that each belongs to."""
+        """Index of the measurement to which each measured number belongs."""
         return np.concatenate([np.full(one.size, one.owner) for one in self.places])
 
     @cached_property
     def scenarios(self) -> tuple[Scenario, ...]:
-        """By measurement: what it is simulated with, apart from what is identified."""
+        """Scenario with which each measurement is simulated, apart from the identified values."""
         return tuple(one.scenario for one in self.measurements)
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """By measurement: the name of its group."""
+        """Name of the group of each measurement."""
         return tuple(one.group for one in self.measurements)
 
     @property
     def model(self) -> Model:
-        """By which model all of them are simulated."""
+        """Model with which all measurements are simulated."""
         return self.scenarios[0].model
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the unknowns."""
+        """Names of the unknowns."""
         return tuple(unknown.name for unknown in self.unknowns)
 
     @property
     def start(self) -> Float[np.ndarray, " n_unknowns"]:
-        """Where the search begins, as values."""
+        """Values at which the search starts."""
         return np.array([unknown.start for unknown in self.unknowns])
 
     @property
     def sizes(self) -> Float[np.ndarray, " n_unknowns"]:
-        """What is a large change of each coordinate."""
+        """Size of a large change of each coordinate."""
         return np.array([unknown.size for unknown in self.unknowns])
 
     @property
     def of_interest(self) -> list[int]:
-        """Numbers of the unknowns that figures and tables show: all but where single trials began."""
+        """Indices of the unknowns shown in figures and tables: all but the start states of single trials."""
         return [k for k, one in enumerate(self.unknowns) if not one.parameter.name.startswith("start.")]
 
     @property
     def without_starts(self) -> "Problem":
-        """The same without unknowns of where single trials began."""
+        """The same problem without the unknown start states of single trials."""
         keep = self.of_interest
         return replace(self, unknowns=tuple(self.unknowns[k] for k in keep), moves=self.moves[:, keep])
 
     def values_of(self, x: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
-        """The values of coordinates."""
+        """Return the values at given coordinates."""
         return np.array([unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)])
 
     def named(self, x: Float[np.ndarray, " n_unknowns"]) -> dict[str, float]:
-        """The values of coordinates by name."""
+        """Return the values at given coordinates by name."""
         return dict(zip(self.names, self.values_of(x).tolist(), strict=True))
 
     def x_of(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
-        """The coordinates of values."""
+        """Return the coordinates of given values."""
         return np.array([unknown.x(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
 
     def slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
-        """dq/dx of every unknown."""
+        """Return dq/dx of every unknown."""
         return np.array([unknown.slope(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
 
     def prior_residuals(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_priors"]:
-        """What the priors add to the residuals."""
+        """Return the residuals of the priors."""
         pairs = [(value, unknown.prior) for value, unknown in zip(values, self.unknowns, strict=True)]
         return np.array([(value - prior[0]) / prior[1] for value, prior in pairs if prior is not None])
 
     def prior_slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, "n_priors n_unknowns"]:
-        """The derivatives of those to the coordinates."""
+        """Return the derivatives of the prior residuals with respect to the coordinates."""
         found = [
             np.eye(len(self.unknowns))[k] * unknown.slope(float(values[k])) / unknown.prior[1]
             for k, unknown in enumerate(self.unknowns)
@@ -160,16 +160,16 @@ class Problem:
         return np.reshape(found, (len(found), len(self.unknowns)))
 
     def information(self, jacobian: Float[np.ndarray, "n_residuals n_unknowns"]) -> Float[np.ndarray, "n n"]:
-        """J^T J of the data alone, without the rows of the priors, which come after those of the data."""
+        """Return J^T J of the data alone, without the rows of the priors, which follow those of the data."""
         data = jacobian[: self.observed.size]
         return data.T @ data
 
     def part(self, members: Sequence[int]) -> "Problem":
-        """The same with some of its measurements only, by number; the unknowns stay, whether seen or not."""
+        """Return the problem with only the measurements of these indices; all unknowns stay, whether seen or not."""
         return replace(self, measurements=tuple(self.measurements[i] for i in members), moves=self.moves[list(members)])
 
     def scenarios_at(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
-        """What each measurement is simulated with at these values; what is alike stays one object."""
+        """Return the scenario of each measurement at the given values; equal parts stay one object."""
         made: dict[object, Scenario] = {}
         found: list[Scenario] = []
         for i, scenario in enumerate(self.scenarios):
@@ -188,7 +188,7 @@ class Problem:
         return tuple(found)
 
     def nuisance(self, i: int, values: np.ndarray) -> dict[str, Any]:
-        """The values of `NUISANCE` for a measurement, as far as they are identified."""
+        """Return the values of those `NUISANCE` parameters of a measurement that are identified."""
         return {
             unknown.parameter.name: values[k]
             for k, unknown in enumerate(self.unknowns)
@@ -204,17 +204,17 @@ def make_problem(
     threads: int | None = None,
     **changes: Any,
 ) -> Problem:
-    """Bring measurements and unknowns together, and check that they fit.
+    """Combine measurements and unknowns into a problem, and check that they match.
 
     Args:
-        measurements: At least one, no name twice.
-        wanted: What is looked for.
-        robot: What has to have swum, with or without its fin; None: what the first measurement says.
-        threads: How many compute.
-        changes: Of the models of all scenarios, see `laticauda.scenarios.ModelChanges`, and `model`.
+        measurements: At least one, with different names.
+        wanted: Unknowns to be identified.
+        robot: Robot that must have swum, with or without its fin; None: that of the first measurement.
+        threads: Number of threads.
+        changes: Changes of the models of all scenarios (see `laticauda.scenarios.ModelChanges`), and `model`.
 
     Raises:
-        ValueError: If they do not.
+        ValueError: If they do not match.
     """
     given = _checked(measurements)
     _check_one_body(given, robot or given[0].scenario.robot)
@@ -231,7 +231,7 @@ def make_problem(
 
 
 def with_starts(problem: Problem) -> Problem:
-    """The same with where every trial began among the unknowns, as far as nobody looks for it already.
+    """Return the problem with the start state of every trial among the unknowns, where it is not one already.
 
     Args:
         problem: Measurements and unknowns.
@@ -249,11 +249,11 @@ def with_starts(problem: Problem) -> Problem:
 
 
 def other_measurements(problem: Problem, measurements: Sequence[Measurement]) -> Problem:
-    """The same unknowns, seen by other measurements, of which no number counts.
+    """Return a problem with the same unknowns and other measurements, whose measured numbers are not used.
 
     Args:
-        problem: The unknowns.
-        measurements: Whatever their names are; unknowns of single measurements are none of theirs.
+        problem: Provides the unknowns.
+        measurements: The other measurements, with any names; unknowns of single measurements do not apply to them.
     """
     renamed = [replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)]
     others = _by_one_model(renamed, problem.model)
@@ -271,17 +271,17 @@ def _by_one_model(measurements: Sequence[Measurement], model: Model) -> tuple[Me
 def dependence(
     split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
 ) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
-    """Which measurements depend on which unknowns.
+    """Determine which measurements depend on which unknowns.
 
-    Where a number is looked for in general and for some, the general one leaves those alone.
+    If a number is identified both in general and for a scope, the general one does not apply to that scope.
 
     Args:
-        split: By unknown, its scope and its name without that.
-        scopes: By measurement, what it may be called.
-        known: By measurement, the numbers that it has.
+        split: Scope of each unknown, and its name without the scope.
+        scopes: Scopes to which each measurement belongs.
+        known: Numbers of each measurement, by name.
 
     Raises:
-        ValueError: If two unknowns are the same number of a measurement.
+        ValueError: If two unknowns stand for the same number of a measurement.
     """
     moves = np.array(
         [
@@ -304,20 +304,20 @@ def dependence(
 
 
 def shifted(start: Start | Resumed, name: str, value: float) -> Start:
-    """A start with one number added: identified starts are what is to be added to the stated ones.
+    """Return a start with one number shifted: identified starts are offsets from the stated ones.
 
     Args:
-        start: As it is stated.
-        name: Of the number, one of `SIMULATED`.
-        value: What is added.
+        start: Start as stated.
+        name: Name of the number, one of `SIMULATED`.
+        value: Offset to add.
     """
-    assert isinstance(start, Start)  # as measurements check
+    assert isinstance(start, Start)  # ensured by the measurements
     field = name.removeprefix("start.")
     return replace(start, **{field: getattr(start, field) + value})
 
 
 def _common_model(measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any) -> Model:
-    """The model that all measurements are simulated with."""
+    """Return the model with which all measurements are simulated."""
     models = [model_of(model or m.scenario.model, **changes) for m in measurements]
     for measurement, one in zip(measurements, models, strict=True):
         if one != models[0]:
@@ -336,7 +336,7 @@ def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
 
 
 def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
-    """Refuse trials of another robot: fin, tether and what else is mounted may differ, the body may not."""
+    """Reject trials of another robot: the fin, tether and other mounted parts may differ, the body may not."""
     for measurement in measurements:
         other = measurement.scenario.robot
         if other.modules != body.modules or other.joints != body.joints:
@@ -345,19 +345,19 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
 
 
 def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float) -> list[str]:
-    """What is odd about measurements and fit, though nothing is wrong; a sentence each.
+    """Return a sentence for everything unusual, though not invalid, about the measurements and the fit.
 
     Args:
         problem: Measurements and unknowns.
-        chi2: Of data and priors, in the noise as stated; nan if that is estimated [-].
-        degrees: Of freedom [-].
-        lags: Correlation of the noise from sample to sample, of series that show one [-].
-        widening: How many times as wide it makes the widest interval [-].
+        chi2: Chi^2 of data and priors, for the noise as stated; nan if that is estimated [-].
+        degrees: Degrees of freedom [-].
+        lags: Sample-to-sample correlation of the noise, for series that show one [-].
+        widening: Largest factor by which this correlation widens an interval [-].
     """
     found: list[str] = []
     special = optional_import("Identification", "scipy", "identify", "scipy.special")
     square = max(lags.values(), default=0.0) ** 2
-    share = (1.0 - square) / (1.0 + square)  # with such noise chi^2 scatters as if there were so many fewer numbers
+    share = (1.0 - square) / (1.0 + square)  # with such noise, chi^2 scatters as for this fraction of the numbers
     half = 0.5 * share * max(degrees, 1.0)
     low, high = (2.0 * special.gammaincinv(half, end) / share for end in (_RARE, 1.0 - _RARE))
     if degrees > 0.0 and (chi2 < low or chi2 > high):

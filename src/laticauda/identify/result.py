@@ -1,4 +1,4 @@
-"""`Fit`: what an identification found, with its uncertainty, and how well it describes the measurements."""
+"""`Fit`: the result of an identification, its uncertainty, and how well it describes the measurements."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.numbers import UNITS
 
-_AT_END = 1e-6  # closer to the end of its range, in sizes, an unknown is there
+_AT_END = 1e-6  # an unknown closer than this to the end of its range, in sizes, is at that end
 
 
 LOSS = one_among("linear", "soft_l1", "huber", "cauchy", "arctan")
@@ -28,7 +28,7 @@ NOISE = one_among("known", "estimated")
 
 @value
 class Method:
-    """How a fit is made."""
+    """Settings of a fit."""
 
     noise: str = option("known, or estimated: that times a factor of all", default="known", check=NOISE)
     loss: str = option("How residuals count: all but linear let outliers count less", default="linear", check=LOSS)
@@ -38,10 +38,10 @@ class Method:
     limit: float = quantity("", "Relative deviation from which on an unknown is not identified", default=LIMIT, gt=0.0)
 
     def quantile(self, degrees: float) -> float:
-        """How many standard deviations an interval reaches to either side: Student's t, normal if the noise is known.
+        """Return the half-width of an interval in standard deviations: Student's t, or normal if the noise is known.
 
         Args:
-            degrees: Of freedom.
+            degrees: Degrees of freedom.
 
         Raises:
             MissingExtra: If scipy is not installed.
@@ -54,43 +54,43 @@ class Method:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterEstimate:
-    """What is known of one unknown."""
+    """Estimate of one unknown."""
 
     name: str
-    """Its name."""
+    """Name of the unknown."""
     unit: str
-    """Its unit; "" for a pure number."""
+    """Unit; "" for a pure number."""
     title: str
-    """What it is, in a few words."""
+    """Short description of the unknown."""
     value: float
-    """The best value; of one that is not identified, one of many that are as good."""
+    """Best value; if it is not identified, one of many that are equally good."""
     sigma: float | None
     """Standard deviation; None if it is not identified."""
     interval: tuple[float, float] | None
-    """Confidence interval, from errors of the logarithm on a log scale; None if it is not identified."""
+    """Confidence interval, computed in the logarithm on a log scale; None if it is not identified."""
     note: str
-    """What is to be known about it; "" if nothing."""
+    """Remarks on the estimate; "" if there are none."""
 
     @property
     def is_identified(self) -> bool:
-        """Whether measurements and prior say what it is."""
+        """Whether measurements and prior determine it."""
         return self.interval is not None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LocalSearch:
-    """One start of the search."""
+    """Search from one start."""
 
     start: Float[np.ndarray, " n_unknowns"]
     """Coordinates where it began."""
     end: Float[np.ndarray, " n_unknowns"]
     """Coordinates where it ended."""
     cost: float
-    """Sum of squares there."""
+    """Sum of squares at the end."""
     jacobian: Float[np.ndarray, "n_residuals n_free"]
-    """Of the residuals there, those of the priors last, to the coordinates that were free."""
+    """Jacobian of the residuals at the end, those of the priors last, with respect to the free coordinates."""
     converged: bool
-    """Whether it ended by itself."""
+    """Whether it converged."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,63 +100,63 @@ class Fit:
     problem: Problem
     """Measurements and unknowns."""
     method: Method
-    """How it was made."""
+    """Settings of the fit."""
     estimates: tuple[ParameterEstimate, ...]
-    """What is known of every unknown."""
+    """Estimate of every unknown."""
     covariance: Float[np.ndarray, "n_unknowns n_unknowns"]
-    """Of the errors of the coordinates, logarithms on a log scale; inf where nothing is known."""
+    """Covariance of the errors of the coordinates (logarithms on a log scale); inf where nothing is known."""
     correlations: Float[np.ndarray, "n_unknowns n_unknowns"]
-    """Of the same; nan for what is not identified [-]."""
+    """Correlations of the errors of the coordinates; nan for unknowns that are not identified [-]."""
     identifiability: Identifiability
     """What the data see, without priors."""
     predictions: Float[np.ndarray, " n_data"]
-    """What the model says, in the order of `problem.observed`."""
+    """Model predictions, in the order of `problem.observed`."""
     chi2: float
-    """Sum of squared residuals of the data, in the noise as stated [-]."""
+    """Sum of squared residuals of the data, in units of the stated noise [-]."""
     noise_factor: float
-    """How many times the stated noise the residuals are, by the degrees of freedom; nan without any [-]."""
+    """Ratio of the residuals to the stated noise, given the degrees of freedom; nan if there are none [-]."""
     degrees_of_freedom: float
-    """Numbers measured less what is fitted to them [-]."""
+    """Number of measured numbers minus the number of unknowns fitted to them [-]."""
     widening: Float[np.ndarray, " n_unknowns"]
-    """How many times as wide intervals are because residuals are correlated in time [-]."""
+    """Factors by which the correlation of residuals in time widens the intervals [-]."""
     searches: tuple[LocalSearch, ...]
-    """What each start led to, the best first."""
+    """Search from each start, best first."""
     warnings: tuple[str, ...]
-    """What is to be known about the data."""
+    """Warnings about the data."""
 
     def __getitem__(self, name: str) -> ParameterEstimate:
-        """The estimate of an unknown by name."""
+        """Return the estimate of an unknown by name."""
         names = [estimate.name for estimate in self.estimates]
         return self.estimates[names.index(one_of("name", name, names))]
 
     @property
     def values(self) -> dict[str, float]:
-        """The best value of every unknown by name; what is not identified has one of many."""
+        """Best value of every unknown by name; if one is not identified, one of many equally good values."""
         return {estimate.name: estimate.value for estimate in self.estimates}
 
     @property
     def best(self) -> Float[np.ndarray, " n_unknowns"]:
-        """The same as an array."""
+        """Best values as an array."""
         return np.array([estimate.value for estimate in self.estimates])
 
     @property
     def used_noise_factor(self) -> float:
-        """How many times the stated noise the uncertainties take the noise for [-]."""
+        """Factor applied to the stated noise in the uncertainties [-]."""
         return self.noise_factor if self.method.noise == "estimated" else 1.0
 
     @property
     def x(self) -> Float[np.ndarray, " n_unknowns"]:
-        """The coordinates of the values."""
+        """Coordinates of the best values."""
         return self.problem.x_of(self.best)
 
     @property
     def n_agreeing(self) -> int:
-        """How many starts ended as well as the best one."""
+        """Number of starts that ended as well as the best one."""
         return sum(agree(search.cost, self.searches[0].cost) for search in self.searches)
 
     @property
     def status(self) -> str:
-        """A sentence about the result."""
+        """One-sentence summary of the result."""
         sought = [self.estimates[k] for k in self.problem.of_interest] or self.estimates
         good = sum(estimate.is_identified for estimate in sought)
         noise = f"residuals are {self.noise_factor:.2g} times the stated noise"
@@ -168,7 +168,7 @@ class Fit:
         )
 
     def table(self) -> list[dict[str, Any]]:
-        """A row per unknown, for tables and JSON: name, value, sigma, low, high, unit, note."""
+        """Return one row per unknown, for tables and JSON: name, value, sigma, low, high, unit, note."""
         return [
             {"name": one.name, "value": one.value if one.is_identified else None, "sigma": one.sigma}
             | dict(zip(("low", "high"), one.interval or (None, None), strict=True))
@@ -178,10 +178,10 @@ class Fit:
 
     @cached_property
     def residuals(self) -> list[dict[str, Any]]:
-        """A row per measured figure, or per series, as tables show them, in the order of `problem.places`.
+        """One row per measured figure or series, as shown in tables, in the order of `problem.places`.
 
-        What is measured is without the bias of selection; it and the prediction are None for a series. Off is predicted
-        less measured, root mean square for a series; standard deviations are of the noise as stated.
+        Measured values are without the selection bias; they and the predictions are None for a series. Off is predicted
+        minus measured, root mean square for a series; standard deviations are those of the stated noise.
         """
         found: list[dict[str, Any]] = []
         p, units = self.problem, UNITS | measurements.LOADS | measurements.SERIES
@@ -206,10 +206,10 @@ class Fit:
         return found
 
     def places_of(self, figure: str) -> list[int]:
-        """Where a figure of every measurement that has it stands among the data.
+        """Return the positions of a figure in the data, one for each measurement that has it.
 
         Args:
-            figure: Its name.
+            figure: Name of the figure.
 
         Raises:
             ValueError: If no measurement has it.
@@ -223,14 +223,14 @@ class Fit:
     def percentage_error(
         self, figure: str = "forward_velocity", predictions: Float[np.ndarray, " n_data"] | None = None
     ) -> float:
-        """Mean of |predicted - measured| / measured over all measurements of a figure that are not 0 [%].
+        """Return the mean of |predicted - measured| / measured over all nonzero measurements of a figure [%].
 
         Args:
-            figure: Its name.
-            predictions: As its own, which None takes; where one is nan, so is the error; also if all are 0.
+            figure: Name of the figure.
+            predictions: Predictions; None: its own. The error is nan if one of them is nan, or if all measured are 0.
 
         Raises:
-            ValueError: If it was not measured.
+            ValueError: If the figure was not measured.
         """
         at = self.places_of(figure)
         measured = self.problem.observed[at]
@@ -239,57 +239,57 @@ class Fit:
         return 100.0 * float(np.mean(shares)) if shares.size else math.nan
 
     def robot(self, robot: Robot, gait_kind: str) -> Robot:
-        """A robot with what was identified of it.
+        """Return a robot with the identified values applied.
 
         Args:
-            robot: What to change; a fin's numbers are left out if it has none.
-            gait_kind: For which gait.
+            robot: Robot to change; a fin's numbers are skipped if it has none.
+            gait_kind: Kind of gait for which they apply.
         """
         return applied(self.problem, self.values, replace(self.problem.scenarios[0], robot=robot), gait_kind).robot
 
     def water(self, water: Water, gait_kind: str) -> Water:
-        """A water with what was identified of it.
+        """Return a water with the identified values applied.
 
         Args:
-            water: What to change.
-            gait_kind: For which gait.
+            water: Water to change.
+            gait_kind: Kind of gait for which they apply.
         """
         changed = replace(self.problem.scenarios[0], environment=water)
         return cast(Water, applied(self.problem, self.values, changed, gait_kind).environment)
 
     def parameters(self, name: str, title: str) -> Parameters:
-        """What was identified, as a parameter file has it: `.save(path)` writes it, `--parameters` takes it.
+        """Return the identified values as a parameter file: `.save(path)` writes it, `--parameters` takes it.
 
-        A gait gets numbers of its own where they differ; what was not identified stays what it was in the measurements.
+        A gait gets its own numbers where they differ; numbers not identified keep their values in the measurements.
 
         Args:
-            name: What files and stored trials call them.
-            title: What a legend says.
+            name: Name of the parameters in files and stored trials.
+            title: Text for legends.
 
         Raises:
-            ValueError: If the measurements were not made in water, or a parameter file cannot say what was identified.
+            ValueError: If the measurements were not made in water, or a parameter file cannot hold an identified value.
         """
         return as_parameters(self.problem, self.values, name, title)
 
 
 def agree(cost: float, other: float) -> bool:
-    """Whether two searches have come to one minimum, by their sums of squares.
+    """Check whether two searches have reached the same minimum, by their sums of squares.
 
     Args:
-        cost: Of one.
-        other: Of the other.
+        cost: Sum of squares of one search.
+        other: Sum of squares of the other.
     """
     return abs(cost - other) <= 1e-3 * max(1.0, other * 1e-3)
 
 
 def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequence[LocalSearch]) -> Fit:
-    """Everything that is known at the end of a search.
+    """Assemble the result of a fit at the end of a search.
 
     Args:
         problem: Measurements and unknowns.
-        method: How it was searched.
-        best: Where it ended, its Jacobian in the noise that counts.
-        searches: All of them, the best first.
+        method: Settings of the fit.
+        best: Best search, with its Jacobian in units of the noise that applies.
+        searches: All searches, best first.
     """
     values, jacobian = problem.values_of(best.end), best.jacobian
     predicted = model.predict(problem, values).values
@@ -325,7 +325,7 @@ def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequen
 
 
 def _covariance(problem: Problem, jacobian: np.ndarray, seen: Identifiability) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance and correlations of the coordinates; inf and nan for what is not seen at all."""
+    """Compute covariance and correlations of the coordinates; inf and nan for unknowns that are not seen."""
     sizes = problem.sizes
     scaled = jacobian * sizes
     covariance = np.linalg.pinv(scaled.T @ scaled, rcond=1e-13, hermitian=True)
@@ -349,7 +349,7 @@ def _estimate(
     wider: float,
     quantile: float,
 ) -> ParameterEstimate:
-    """What is known of one unknown."""
+    """Return the estimate of one unknown."""
     unknown, value = problem.unknowns[k], float(values[k])
     share, alone = (wider * float(seen.sigma[k]) for seen in (by_all, by_data))
     x, deviation = unknown.x(value), share * unknown.size

@@ -1,4 +1,4 @@
-"""Measurements from tables of speeds: the paper's Table 1, and one's own."""
+"""Measurements from tables of speeds: the paper's Table 1, or your own."""
 
 from collections import Counter
 from dataclasses import replace
@@ -14,25 +14,25 @@ from laticauda.scenarios import scenario
 from laticauda.trial import MeasuredTrials, measured, null_models
 
 TABLE_SIGMA = 0.05
-"""Noise of a table's numbers as a share of each value, unless one says otherwise; the paper states none [-]."""
+"""Default noise of a table's numbers, as a fraction of each value; the paper states none [-]."""
 TABLE_SELECTED_FROM = 3
-"""Of how many settings as good as it a starred row of Table 1 is taken for the best [-]."""
+"""Assumed number of equally good settings from which a starred row of Table 1 was selected as the best [-]."""
 FIGURES = ("forward_velocity", "mean_power")
-_LONGEST_STRIDE = 2.0  # of any swimmer, in its lengths
+_LONGEST_STRIDE = 2.0  # of any swimmer, in body lengths
 
 
 def from_table1(
     figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, selected_from: int = TABLE_SELECTED_FROM
 ) -> tuple[Measurement, ...]:
-    """The rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
+    """Return the rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
 
-    The paper states no noise: each row has the same share of its value, which is best taken for a guess and estimated
-    from the residuals (`noise="estimated"`). Rows with a star are the maxima of sweeps.
+    The paper states no noise. Each row is given the same relative noise, which is best regarded as a guess and
+    estimated from the residuals (`noise="estimated"`). Starred rows are the maxima of sweeps.
 
     Args:
-        figure: forward_velocity, or mean_power.
-        sigma: Standard deviation of the noise as a share of the value [-].
-        selected_from: Of how many settings that are about as good a row with a star was taken for being the best [-].
+        figure: forward_velocity or mean_power.
+        sigma: Standard deviation of the noise as a fraction of the value [-].
+        selected_from: Number of about equally good settings from which a starred row was selected as the best [-].
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -55,16 +55,16 @@ def from_table1(
 def from_table(
     file: str | Path, figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, robot: str = "mamba"
 ) -> tuple[Measurement, ...]:
-    """Speeds or powers of one's own, from a CSV file with one row a trial; `laticauda.trial.measured` says its columns.
+    """Read speeds or powers from a CSV file with one row per trial; `laticauda.trial.measured` describes its columns.
 
     Args:
-        file: Where it is.
-        figure: forward_velocity, or mean_power, of the rows that have one.
-        sigma: Standard deviation of the noise as a share of the value, of rows that do not say their own [-].
-        robot: What swam in rows that do not say it, a preset or a TOML file.
+        file: Path of the file.
+        figure: forward_velocity or mean_power; rows that lack it are skipped.
+        sigma: Standard deviation of the noise as a fraction of the value, for rows that do not state their own [-].
+        robot: Robot in rows that do not name one, a preset or a TOML file.
 
     Raises:
-        TrialFileError: If anything in it is wrong.
+        TrialFileError: If anything in it is invalid.
         ValueError: If an argument is out of its range.
     """
     positive("sigma", sigma)
@@ -97,7 +97,7 @@ def from_table(
 
 
 def _robot(name: str, config: str | None) -> lc.Robot:
-    """What swam: a preset without a fin has one of its own with it."""
+    """Return the robot that swam; a preset without a fin has a counterpart preset with one."""
     robot = lc.load_robot(name)
     if config == "nofin":
         return replace(robot, caudal_fin=None)
@@ -114,5 +114,5 @@ def _name(gait: lc.Gait, has_fin: bool) -> str:
 
 
 def setting_of(gait: lc.Gait) -> str:
-    """Amplitude, frequency and phase shift as names of measurements have them, in degrees: 30/130/40."""
+    """Format amplitude, frequency and phase shift in degrees, as in names of measurements: 30/130/40."""
     return "/".join(f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift))

@@ -1,19 +1,19 @@
-"""The tank day: files for some two hours of trials, and what a robot's own water is by them, with a verdict.
+"""Tank day: files for about two hours of trials, and the robot's own water identified from them, with a verdict.
 
-`begin` makes a folder with a list of runs, the robot, and files to fill; `evaluate` reads it. Joints do what they were
-logged to do, so that what is fitted is water alone. Three laws of the water are fitted to the same trials, each with
-the friction free and the other numbers near those of tables for the robot's sections:
+`begin` creates a folder with a list of runs, the robot, and files to fill in; `evaluate` fits its contents. The joints
+follow their logged angles, so that only the water is fitted. Three laws of the water are fitted to the same trials,
+each with free friction and with the other numbers near tabulated ones for the robot's cross sections:
 
     kirchhoff   added mass of potential flow, shed at the tail end; quadratic drag, beta free
     relative    added mass without Munk moment and wake; quadratic drag, beta free
     linear      the same with linear and quadratic drag, U_ref free
 
-They are compared by their probabilities given the data, by Laplace's approximation,
+They are compared by their probabilities given the data, in Laplace's approximation,
 
     ln p = -Q/2 + ln det(C)/2 - sum ln s + const.
 
 with the sum of squares Q of data and priors, the covariance C of the unknowns and the standard deviations s of their
-priors. Q and C count the noise k times as great as stated where the best law leaves residuals of k > 1 times that.
+priors. If the best law leaves residuals of k > 1 times the stated noise, Q and C are computed with k times that noise.
 """
 
 import math
@@ -39,20 +39,20 @@ from laticauda.simulate.runner import Progress, silent
 FILES = Path(__file__).parent / "tank_day_files"
 DAY = "tank-day.toml"
 DECISIVE = 100.0
-"""Odds from which on a law counts as decided."""
+"""Odds above which a law counts as decided."""
 HARDLY = 0.7
-"""Share of what was known before from which on the data count as having told nothing."""
+"""Fraction of the prior standard deviation above which the data count as uninformative."""
 IDENTIFIED = "{value:.4g} ({low:.4g} to {high:.4g}) {unit}"
 JOINTS = ("joints.speed_limit", "joints.position_gain")
 _LOADS = {"drag": "drag_n", "side_force": "side_force_n", "yaw_moment": "yaw_moment_n_m"}
 _RUNS = ("swim", "glide", "turn")
-_INTERVAL = 0.25  # between samples that count [s]
-_SMOOTHED = 0.2  # of a cycle: over it, joint angles are cubics, which keeps their noise out of the forces [-]
+_INTERVAL = 0.25  # between samples that are used [s]
+_SMOOTHED = 0.2  # window of a cubic smoothing of joint angles, in cycles: keeps their noise out of the forces [-]
 
 
 @value
 class Noise:
-    """Standard deviations of the noise on the day."""
+    """Standard deviations of the noise on the tank day."""
 
     path_m: float = quantity("m", "Noise of the center of mass, as the cameras see it", gt=0.0, default=0.005)
     heading_rad: float = quantity("rad", "Noise of the heading", gt=0.0, default=0.01)
@@ -64,47 +64,47 @@ class Noise:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Day:
-    """A folder that was filled."""
+    """Contents of a filled-in folder."""
 
     robot: Robot
-    """What swam."""
+    """The robot that swam."""
     noise: Noise
-    """Of what was measured."""
+    """Noise of the measurements."""
     trials: Mapping[str, lc.Trial]
-    """What was logged, by the name of the run."""
+    """Logged trials, by name of the run."""
     tows: tuple[measurements.Measurement, ...]
-    """Loads that were measured."""
+    """Measured loads."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evaluation:
-    """What a day says."""
+    """Results of a tank day."""
 
     fits: Mapping[str, result.Fit]
-    """By law, the most probable first."""
+    """Fits by law, most probable first."""
     odds: Mapping[str, float]
-    """Of the most probable law against each, at most 1e304 [-]."""
+    """Odds of the most probable law against each law, at most 1e304 [-]."""
     numbers: tuple[Mapping[str, Any], ...]
-    """Rows of name, value, low and high end of the interval, and unit, by the best law: of the water, the drag area
-    2 F / (rho v^2) of the straight robot at the speed of the day, and the joints; None for what is not identified."""
+    """Rows of name, value, ends of the interval (low, high) and unit, by the best law: numbers of the water, drag area
+    2 F / (rho v^2) of the straight robot at the speed of the day, and joints; None for values not identified."""
     joints: result.Fit | None
-    """The speed of the joints and how stiff they are (`JOINTS`); None where no gait was asked for."""
+    """Fit of the speed and stiffness of the joints (`JOINTS`); None if no gait was commanded."""
     verdict: tuple[str, ...]
-    """Sentences: which law, and what the data do not tell."""
+    """Sentences on which law is the most probable, and on what the data do not determine."""
 
 
 def begin(folder: Path, robot: Robot) -> list[str]:
-    """Write the list of runs, the robot, and files to fill; what is there already stays.
+    """Write the list of runs, the robot, and files to fill in; existing files are kept.
 
     Args:
-        folder: Where; made if need be.
-        robot: What is going to swim.
+        folder: Folder for the files; created if needed.
+        robot: Robot that is going to swim.
 
     Returns:
         Names of the files that were written.
 
     Raises:
-        StorageFailed: If it cannot be written.
+        StorageFailed: If a file cannot be written.
     """
     head = ["time_s", "x_m", "y_m", "yaw_deg", *(f"joint_{i}_deg" for i in range(1, robot.planar().n_joints + 1))]
     contents = {one.name: one.read_text(encoding="utf-8") for one in sorted(FILES.iterdir())}
@@ -117,14 +117,14 @@ def begin(folder: Path, robot: Robot) -> list[str]:
 
 
 def load_day(folder: Path) -> Day:
-    """Read a folder.
+    """Read a filled-in folder.
 
     Args:
-        folder: From `begin`; files that were not filled are left out.
+        folder: Folder made by `begin`; files that were not filled in are skipped.
 
     Raises:
-        RobotFileError: If tank-day.toml or the robot is wrong.
-        TrialFileError: If a log is.
+        RobotFileError: If tank-day.toml or the robot is invalid.
+        TrialFileError: If a log is invalid.
     """
     table = read_table(folder / DAY)
     with codec.keys_of(folder / DAY, RobotFileError):
@@ -152,12 +152,12 @@ def _tows(path: Path, robot: Robot, noise: Noise) -> tuple[measurements.Measurem
 
 
 def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silent) -> Evaluation:
-    """Fit the three laws to a day, and judge.
+    """Fit the three laws to a tank day, and judge them.
 
     Args:
-        day: From `load_day`.
-        threads: How many to compute with; None takes all cores that this process may use.
-        progress: Called with the share that is finished.
+        day: Contents of the folder, from `load_day`.
+        threads: Number of threads; None uses all cores available to this process.
+        progress: Called with the finished fraction.
 
     Raises:
         TrialFileError: If nothing was measured.
@@ -191,7 +191,7 @@ def _measured(name: str, trial: lc.Trial, series: Mapping[str, float]) -> measur
 
 
 def _of_water(name: str, trial: lc.Trial, noise: Noise) -> measurements.Measurement:
-    """Path and heading of a trial whose joints did what they were logged to do."""
+    """Return path and heading of a trial as a measurement whose joints follow their logged angles."""
     seen = _measured(name, trial, {"center_of_mass": noise.path_m, "heading": noise.heading_rad})
     signal = optional_import("The tank day", "scipy", "identify", "scipy.signal")
     step = float(np.median(np.diff(trial.time)))
@@ -202,7 +202,7 @@ def _of_water(name: str, trial: lc.Trial, noise: Noise) -> measurements.Measurem
 
 
 def _laws(robot: Robot) -> dict[str, tuple[Water, list[Unknown]]]:
-    """By name: a water, and what is unknown of it."""
+    """Return a water and its unknowns by name of the law."""
     book = textbook_water(robot)
     shared = [Unknown(name="water.tangential_friction")]
     for name in ("water.normal_drag", "water.added_mass"):
@@ -219,7 +219,7 @@ def _laws(robot: Robot) -> dict[str, tuple[Water, list[Unknown]]]:
 
 
 def _log_evidence(found: result.Fit, scale: float) -> float:
-    """Logarithm of the probability of the data, but for a constant that is the same for all laws."""
+    """Return the log probability of the data, up to a constant that is the same for all laws."""
     problem = found.problem
     squares = found.chi2 + float(np.sum(problem.prior_residuals(found.best) ** 2))
     priors = [one.prior[1] / one.slope(v) for one, v in zip(problem.unknowns, found.best, strict=True) if one.prior]
@@ -228,7 +228,7 @@ def _log_evidence(found: result.Fit, scale: float) -> float:
 
 
 def _drag_area(found: result.Fit, speed: float) -> dict[str, Any]:
-    """The drag area of the straight robot, and its interval by that of its friction."""
+    """Return the drag area of the straight robot, with an interval derived from that of its friction."""
     scenario, friction = found.problem.scenarios_at(found.best)[0], found.table()[0]
     water: Any = scenario.environment
 
@@ -243,7 +243,7 @@ def _drag_area(found: result.Fit, speed: float) -> dict[str, Any]:
 
 
 def _joint_speed(day: Day, water: Environment, threads: int | None) -> result.Fit | None:
-    """The speed limit of the joints, by what they did of the gaits that were asked for, in the water that was found."""
+    """Fit the speed limit of the joints to how they followed the commanded gaits in the identified water."""
     series = {"joint_angle": day.noise.joint_angle_rad}
     asked = {name: trial for name, trial in day.trials.items() if trial.gait is not None and trial.gait.amplitude}
     measured = [_measured(name, trial, series) for name, trial in asked.items()]
@@ -254,7 +254,7 @@ def _joint_speed(day: Day, water: Environment, threads: int | None) -> result.Fi
 
 
 def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: result.Fit | None) -> list[str]:
-    """Sentences: which law, and what the data do not tell."""
+    """Return sentences on which law is the most probable, and on what the data do not determine."""
     name, *others = odds
     found = [f"The law is `{name}`, the most probable of {len(odds)}."]
     for other in others:
@@ -272,10 +272,10 @@ def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: resu
 
 
 def words(found: Evaluation) -> str:
-    """An evaluation for people.
+    """Format an evaluation as readable text.
 
     Args:
-        found: From `evaluate`.
+        found: Evaluation from `evaluate`.
     """
     lines = [*found.verdict, "", f"With `{next(iter(found.fits))}`, and 95 % intervals:"]
     for row in found.numbers:
@@ -285,12 +285,12 @@ def words(found: Evaluation) -> str:
 
 
 def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
-    """Write what another lab can read: trials, robot, loads, parameter file and summary.
+    """Write files that another lab can read: trials, robot, loads, parameter file and summary.
 
     Args:
-        folder: The day's; the files go to `result` in it.
-        day: From `load_day`.
-        found: From `evaluate`.
+        folder: Folder of the tank day; the files go to its subfolder `result`.
+        day: Contents of the folder, from `load_day`.
+        found: Evaluation from `evaluate`.
 
     Returns:
         Names of the files.
@@ -313,10 +313,10 @@ def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
 
 
 def facts(found: Evaluation) -> dict[str, Any]:
-    """An evaluation as plain values.
+    """Return an evaluation as plain values.
 
     Args:
-        found: From `evaluate`.
+        found: Evaluation from `evaluate`.
     """
     laws = {
         name: {"odds_against": found.odds[name], "chi2": one.chi2, "numbers": one.problem.observed.size}

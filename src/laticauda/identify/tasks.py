@@ -1,10 +1,10 @@
-"""An identification as a task: measurements, unknowns and method together, from a TOML file or from a few trials.
+"""Identification task: measurements, unknowns and method together, from a TOML file or from a few trials.
 
     kind = "identification"
-    format = 2                             # of the file; left out: the present one
-    name = "tank-2026"                     # of the parameter file that it makes
+    format = 2                             # of the file; default: the current one
+    name = "tank-2026"                     # of the resulting parameter file
     title = "identified in the tank"
-    robot = "mamba"                        # a preset or a file; left out: the trials say it
+    robot = "mamba"                        # a preset or a file; default: that of the trials
     joints = "servo"                       # prescribed, pd, servo or speed-servo
     noise = "estimated"                    # or known
     starts = 4
@@ -14,24 +14,24 @@
         {name = "water.tangential_friction", start = 0.15, lower = 0.01, upper = 1.0, prior = [0.2, 0.1]},
     ]
 
-    [fixed.water]                          # tables of a parameter file: what is not identified
+    [fixed.water]                          # tables of a parameter file: values that are not identified
     normal_drag = 1.75
 
     [[trials]]
-    file = "run-1.nc"                      # beside this file; .csv, .c3d and .tsv need columns = "map.toml"
+    file = "run-1.nc"                      # relative to this file; .csv, .c3d and .tsv need columns = "map.toml"
     figures = {forward_velocity = 0.005}   # name = standard deviation of its noise
     series = {center_of_mass = 0.003}
-    interval = 0.5                         # between the samples of series that count [s]
-    free_start = true                      # identify where it began too, if the path counts
+    interval = 0.5                         # between the samples of series that are used [s]
+    free_start = true                      # also identify where it began, if the path is used
 
-    [table]                                # speeds, one row a trial: a CSV file, see `laticauda.trial.measured`
+    [table]                                # speeds, one row per trial: a CSV file, see `laticauda.trial.measured`
     file = "speeds.csv"
-    sigma = 0.05                           # of rows that do not say their own, as a share
+    sigma = 0.05                           # of rows that do not state their own, as a fraction
 
-    [table1]                               # the paper's Table 1 too
+    [table1]                               # also the paper's Table 1
     sigma = 0.05
 
-It is read strictly: what is unknown, missing or out of range is refused with its key.
+The file is read strictly: anything unknown, missing or out of range is rejected with its key.
 """
 
 from collections.abc import Mapping, Sequence
@@ -58,17 +58,17 @@ from laticauda.simulate.runner import Progress, silent
 KIND = "identification"
 _METHOD = ("model", "joints", "noise", "loss", "n_starts", "seed", "confidence")
 OPTIONS = {name.removeprefix("n_"): name for name in _METHOD}
-"""Keys of the method, and the arguments of `fit` that they are."""
+"""Keys of the method, and the corresponding arguments of `fit`."""
 Table = Mapping[str, Any]
 
 _NOISES: Any = {"default_factory": dict[str, float], "check": numbers_by_name("standard deviation")}
 PATH = {"center_of_mass": 0.005}
-"""What counts of a trial unless one says otherwise: the path, as a camera sees it [m]."""
+"""Series of a trial used by default: the path as seen by a camera, with its noise [m]."""
 
 
 @value
 class TrialFile:
-    """A file with a trial, and what counts of it."""
+    """A file with a trial, and the parts of it that are used."""
 
     file: str = option("Where it is")
     columns: str | None = option("What its columns are, a TOML file, if another program wrote it", default=None)
@@ -81,34 +81,34 @@ class TrialFile:
 
     @property
     def label(self) -> str:
-        """What tables call it."""
+        """Name in tables."""
         return self.name or Path(self.file).stem
 
     @property
     def counted_series(self) -> Mapping[str, float]:
-        """Series that count, the path if nothing else was asked for."""
+        """Series that are used; the path if nothing else was requested."""
         return self.series if self.series or self.figures else PATH
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The files that it is read from."""
+        """Files that it is read from."""
         return tuple(Path(name) for name in (self.file, self.columns) if name is not None)
 
     def beside(self, folder: Path) -> "TrialFile":
-        """The same, its paths relative to a `folder`.
+        """Return the same with its paths relative to a folder.
 
         Args:
-            folder: What its paths are to begin with.
+            folder: Folder to prepend to its paths.
         """
         columns = None if self.columns is None else str(folder / self.columns)
         return replace(self, file=str(folder / self.file), columns=columns)
 
     def measurement(self) -> Measurement:
-        """The trial as a measurement.
+        """Return the trial as a measurement.
 
         Raises:
             TrialFileError: If it cannot be read.
-            ValueError: If it has no gait, or lacks what is to count.
+            ValueError: If it has no gait, or lacks a figure or series to be used.
         """
         trial = lc.load_trial(self.file, self.columns)
         _check_there(self.label, trial, [*self.figures, *self.counted_series])
@@ -129,7 +129,7 @@ class TrialFile:
 
 @value
 class TableFile:
-    """A file with one row a trial."""
+    """A file with one row per trial."""
 
     file: str = option("Where it is; `laticauda.trial.measured` says its columns")
     figure: str = option("forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES))
@@ -138,7 +138,7 @@ class TableFile:
 
 @value
 class _TaskFile:
-    """What a task's file says besides the method."""
+    """Contents of a task's file apart from the method."""
 
     name: str = option("Name of the parameter file that it makes", check=label)
     title: str = option("What a legend says", check=label)
@@ -154,47 +154,47 @@ class _TaskFile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
-    """What is to be identified, from what, and how."""
+    """What is to be identified, from which measurements, and how."""
 
     name: str
-    """Name of the parameter file that it makes."""
+    """Name of the resulting parameter file."""
     title: str
-    """What a legend says."""
+    """Text for legends."""
     measurements: tuple[Measurement, ...]
-    """With robot and water, all that is fixed applied."""
+    """Measurements, with all fixed values applied to their robots and waters."""
     unknowns: tuple[Unknown, ...]
-    """What is looked for."""
+    """Unknowns to be identified."""
     robot: lc.Robot | None = None
-    """What has to have swum; None: whatever the trials say."""
+    """Robot that must have swum; None: that of the trials."""
     base: lc.Parameters | None = None
-    """What is fixed."""
+    """Fixed values."""
     options: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Arguments of `fit`."""
     sources: tuple[Path, ...] = ()
-    """The files that it was read from."""
+    """Files that it was read from."""
 
     def run(self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent) -> Fit:
-        """Identify.
+        """Run the identification.
 
         Args:
-            threads: How many to compute with; None takes all cores that this process may use.
-            progress: Called now and then with the share that is finished, from 0 to 1.
-            keep: Called with the best values by name and their sum of squares, whenever there are better ones.
+            threads: Number of threads; None uses all cores available to this process.
+            progress: Called periodically with the finished fraction, from 0 to 1.
+            keep: Called with the best values by name and their sum of squares, whenever they improve.
 
         Raises:
             ValueError: If there are too few measurements for the unknowns, or an argument is out of its range.
-            RobotFileError: If what will not do stands in the task's file.
+            RobotFileError: If the error is in the task's file.
         """
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
         try:
             return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
         except BadArgument as error:
-            if error.name == "threads" or not self.sources:  # all else stands in the file
+            if error.name == "threads" or not self.sources:  # all else comes from the file
                 raise
             raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
 
     def with_law(self, law: lc.Parameters) -> "Task":
-        """The same with the water, the joints and all else of a parameter file, as far as the task does not say them.
+        """Return the task with water, joints and all else of a parameter file, where the task does not set them.
 
         Args:
             law: The parameter file; the task has none of its own.
@@ -210,10 +210,10 @@ class Task:
         )
 
     def parameters(self, found: Fit) -> lc.Parameters:
-        """What was identified and what was fixed, as one parameter file.
+        """Return the identified and the fixed values as one parameter file.
 
         Args:
-            found: From `run`.
+            found: Fit from `run`.
         """
         kept, base = found.parameters(self.name, self.title), self.base
         if base is None:
@@ -229,12 +229,12 @@ def compare_laws(
     parameters: Sequence[str | Unknown],
     **how: Any,
 ) -> dict[str, Fit]:
-    """Fit the same unknowns with one law after the other; null models stand beside any of them.
+    """Fit the same unknowns with each of several laws; null models can be compared with any of them.
 
     Args:
-        measurements: What was measured.
-        laws: Parameter files, presets or paths: what is not fitted of water, joints and robot.
-        parameters: Names of what is identified, or `Unknown`s with ranges and priors.
+        measurements: The measurements.
+        laws: Parameter files, presets or paths: the values of water, joints and robot that are not fitted.
+        parameters: Names of the numbers to identify, or `Unknown`s with ranges and priors.
         how: Further arguments of `fit`.
 
     Returns:
@@ -257,10 +257,10 @@ def load_task(path: str | Path) -> Task:
     """Read a task from its TOML file.
 
     Args:
-        path: Of the file; the files that it names lie beside it.
+        path: Path of the file; the trials and tables that it names are relative to its folder.
 
     Raises:
-        RobotFileError: If it does not exist, or anything in it is wrong; the message has file, key and rule.
+        RobotFileError: If it does not exist, or anything in it is invalid; the message has file, key and rule.
         TrialFileError: If a trial in it cannot be read.
     """
     file = Path(path)
@@ -276,23 +276,23 @@ def load_task(path: str | Path) -> Task:
 
 
 def task_from_table(table: Table, name: str, folder: Path) -> Task:
-    """The task that a table says, as a file holds it.
+    """Build the task that a table, as read from a file, defines.
 
     Args:
-        table: As a TOML reader gives it.
-        name: Name of the parameter file, if the table says none.
-        folder: Where the files lie that it names.
+        table: Table as returned by a TOML reader.
+        name: Name of the parameter file, if the table has none.
+        folder: Folder of the trials and tables that it names.
 
     Raises:
-        BadKey: If anything in it is wrong.
-        RobotFileError: If a robot or parameter file is wrong.
+        BadKey: If anything in it is invalid.
+        RobotFileError: If a robot or parameter file is invalid.
         TrialFileError: If a trial in it cannot be read.
     """
     table = {"name": name, **table}
     codec.take_kind(table, KIND)
     codec.check_keys(table, (*_TaskFile.__dataclass_fields__, *OPTIONS))
     options = {OPTIONS[key]: table.pop(key) for key in OPTIONS if key in table}
-    for key, only in (("parameters", "name"), ("trials", "file")):  # a text in the place of a table
+    for key, only in (("parameters", "name"), ("trials", "file")):  # a string in place of a table
         if isinstance(table.get(key), list):
             table[key] = [{only: entry} if isinstance(entry, str) else entry for entry in table[key]]
     said = codec.decode(_TaskFile, {"title": table["name"], **table})
@@ -321,12 +321,12 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
 
 
 def fixed(measurement: Measurement, links: int | None, base: lc.Parameters | None) -> Measurement:
-    """A measurement with what is fixed about robot and water.
+    """Return a measurement with the fixed values of robot and water applied.
 
     Args:
-        measurement: As it was read.
-        links: How many its robot has instead of its own; None: its own.
-        base: What is fixed; None: what the measurement says.
+        measurement: Measurement as read.
+        links: Number of links that replaces that of its robot; None: its own.
+        base: Fixed values; None: those of the measurement.
     """
     scenario = measurement.scenario
     robot, kind = scenario.robot if links is None else scenario.robot.with_links(links), scenario.gait.kind
@@ -338,7 +338,7 @@ def fixed(measurement: Measurement, links: int | None, base: lc.Parameters | Non
 
 
 def _base(said: _TaskFile) -> lc.Parameters | None:
-    """What is fixed: a parameter file, its tables here, or both."""
+    """Return the fixed values: from a parameter file, from its tables in the task, or from both."""
     base = None if said.base is None else lc.load_parameters(said.base)
     if said.fixed is None:
         return base
@@ -352,7 +352,7 @@ def _base(said: _TaskFile) -> lc.Parameters | None:
 
 
 def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path]]:
-    """The rows of tables, one's own and the paper's, that are identified from, and the files that they are in."""
+    """Return the table rows to identify from, the task's own and the paper's, and the files that hold them."""
     rows, files, own = list[Measurement](), list[Path](), said.table
     if own is not None:
         files.append(folder / own.file)

@@ -11,25 +11,25 @@ from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress, silent
 
-_CLOSE = 1e-3  # share of its distance to which an end is found
-_FAR = 1e3  # sizes, beyond which no end is looked for, and standard deviations
-_FIRST = 0.5  # a first step on a direction without curvature, in sizes
+_CLOSE = 1e-3  # relative accuracy of the distance to an end
+_FAR = 1e3  # sizes, beyond which no end is searched for, and standard deviations
+_FIRST = 0.5  # first step along a direction without curvature, in sizes
 
 
 Ends = tuple[float | None, float | None]
-"""Of an interval; None: every value up to the end of its range describes the data as well."""
+"""Ends of an interval; None: every value up to the end of its range describes the data as well."""
 
 
 def profile(found: Fit, name: str) -> Ends:
-    """The values of one unknown at which the sum of squares is less than q^2 above its minimum.
+    """Return the interval of one unknown in which the sum of squares is less than q^2 above its minimum.
 
-    q is the quantile that the fit's own intervals use. Where the model is far from linear within the uncertainty, this
-    interval holds the truth more exactly than the one from the covariance; it costs some ten searches, as all other
-    unknowns are fitted anew at its ends.
+    q is the quantile used for the fit's own intervals. Where the model is far from linear within the uncertainty, the
+    coverage of this interval is more accurate than that of the interval from the covariance. It costs about ten
+    searches, because all other unknowns are refitted at its ends.
 
     Args:
         found: The fit.
-        name: Of the unknown.
+        name: Name of the unknown.
 
     Raises:
         ValueError: If there is no such unknown.
@@ -40,7 +40,7 @@ def profile(found: Fit, name: str) -> Ends:
 
 
 def _end(found: Fit, k: int, sign: float) -> float | None:
-    """One end of the interval: where the root of what the sum of squares has grown by is the quantile."""
+    """Find one end of the interval: where the square root of the rise in the sum of squares equals the quantile."""
     optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
     x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
     quantile = found.method.quantile(found.degrees_of_freedom) * float(found.widening[k])
@@ -66,14 +66,14 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
 
 
 def _cost(found: Fit, x: np.ndarray) -> float:
-    """The sum of squares of data and priors."""
+    """Compute the sum of squares of data and priors."""
     residuals = all_residuals(found.problem, found.problem.values_of(x), found.used_noise_factor)
     n_data = found.problem.observed.size
     return cost_of(residuals[:n_data], found.method.loss) + cost_of(residuals[n_data:], found.method.loss)
 
 
 def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:
-    """Logarithm of the posterior's density, but for a constant; -inf where a measurement cannot be simulated.
+    """Return the log posterior density up to a constant; -inf where a measurement cannot be simulated.
 
     Args:
         found: The fit.
@@ -85,21 +85,21 @@ def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
-    """A sample of what the unknowns may be, given data, priors and ranges."""
+    """Samples of the posterior of the unknowns, given data, priors and ranges."""
 
     names: tuple[str, ...]
-    """Of the unknowns."""
+    """Names of the unknowns."""
     values: Float[np.ndarray, "n_samples n_unknowns"]
-    """One row per sample, in their units."""
+    """Values of the unknowns, one row per sample, in their units."""
     acceptance: float
-    """Share of the proposals that were taken; between 0.2 and 0.5 is well [-]."""
+    """Fraction of proposals that were accepted; between 0.2 and 0.5 is good [-]."""
 
     def interval(self, name: str, confidence: float = 0.95) -> tuple[float, float]:
-        """What holds the middle share `confidence` of an unknown's samples.
+        """Return the interval that holds the central fraction `confidence` of an unknown's samples.
 
         Args:
-            name: Of the unknown.
-            confidence: [-].
+            name: Name of the unknown.
+            confidence: Fraction of the samples [-].
         """
         column = self.values[:, self.names.index(one_of("name", name, self.names))]
         low, high = np.quantile(column, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
@@ -109,17 +109,17 @@ class Posterior:
 def posterior(
     found: Fit, *, n_steps: int = 500, n_walkers: int | None = None, seed: int = 0, progress: Progress = silent
 ) -> Posterior:
-    """Sample the posterior with an ensemble of walkers (emcee), begun around the fit.
+    """Sample the posterior with an ensemble of walkers (emcee), started around the fit.
 
-    Without a prior of its own an unknown is taken as equally probable everywhere in its range, in its logarithm on a
-    log scale. The first half of the steps is left out. Each step of each walker simulates all measurements once.
+    An unknown without a prior is assumed uniformly distributed over its range, in its logarithm on a log scale. The
+    first half of the steps is discarded. Each step of each walker simulates all measurements once.
 
     Args:
         found: The fit.
-        n_steps: Of each walker.
-        n_walkers: None: four per unknown, at least 8.
-        seed: Of all random numbers.
-        progress: Called now and then with the share that is finished.
+        n_steps: Number of steps of each walker.
+        n_walkers: Number of walkers; None: four per unknown, at least 8.
+        seed: Seed of all random numbers.
+        progress: Called periodically with the finished fraction.
 
     Raises:
         ValueError: If an argument is out of its range.

@@ -1,4 +1,4 @@
-"""What is identified: a number of robot, water or measuring set-up, with its range and what is known of it before."""
+"""Unknowns to identify: numbers of robot, water or measurement setup, with their ranges and priors."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -15,23 +15,23 @@ from laticauda.simulate.numbers import Parameter, changed, near, parameters, val
 
 _TABLE: dict[str, Any] = read_toml(Path(__file__).with_name("nuisance.toml"))
 NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
-"""Nuisance parameters: what a measurement brings besides robot and water."""
+"""Nuisance parameters: those of the measurement rather than of robot and water."""
 SIMULATED = ("start.heading", "start.velocity")
-"""Those that a run depends on; the others change what is seen of it."""
+"""Nuisance parameters on which a run depends; the others change only what is seen of it."""
 
 Numbered = tuple[Scenario, Mapping[str, Parameter]]
-"""A measurement's scenario, and the numbers that it has."""
+"""Scenario of a measurement, and the numbers that it has."""
 
 _SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
-RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
+RANGE = 100.0  # factor by which a number on a log scale may exceed its start or fall below it
 _HALVINGS = 60
 
 
 def numbers_by_name(what: str) -> Check:
-    """The check of a table of numbers.
+    """Return the check of a table of numbers.
 
     Args:
-        what: What each of them is, for messages.
+        what: What each number is, for messages.
     """
 
     def check(name: str, given: Any) -> dict[str, float]:
@@ -47,15 +47,15 @@ def numbers_by_name(what: str) -> Check:
 class Unknown:
     """A number to be identified.
 
-    What is None is filled in by the fit: the start from the robot and water of the measurements, the scale (log for a
-    number that is greater than 0 and can never be less), the range (a hundredth to a hundred times the start on a log
-    scale, as far as the field allows it), and the size (what it is, or a tenth of m, rad or m/s).
+    The fit fills in fields that are None: the start from the robot and water of the measurements, the scale (log for a
+    number that is greater than 0 and can never be negative), the range (a hundredth to a hundred times the start on a
+    log scale, as far as the field allows), and the size (the value, or a tenth of m, rad or m/s).
 
-    Numbers that are `tied` follow it, by name without the scope: where this one is k times what the measurements have,
-    one with the power p is k^p times that. -1 keeps the product of two: a gear's torque and speed.
+    Numbers that are `tied`, by name without the scope, follow it: if this number is k times its value in the
+    measurements, a number with power p is k^p times its own. -1 keeps a product constant: a gear's torque and speed.
 
     Raises:
-        ValueError: If a field is out of its range, or they contradict each other.
+        ValueError: If a field is out of its range, or fields contradict each other.
     """
 
     name: str = option("As in a sweep, or of `NUISANCE`; for some only: `eel_like.water.normal_drag`", check=label)
@@ -72,7 +72,7 @@ class Unknown:
     )
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the fields against each other."""
         if self.prior is not None:
             positive(f"sd of the prior` of `{self.name}", self.prior[1])
         low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
@@ -86,26 +86,26 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedUnknown:
-    """An unknown with everything filled in, and what the search calls it: x = log q, or q itself."""
+    """An unknown with all fields filled in, and its coordinate in the search: x = log q, or q itself."""
 
     name: str
-    """In full, with what it is for."""
+    """Full name, with the scope."""
     scope: str = ""
-    """The gait, group or measurement that it is for; "" for all."""
+    """Gait, group or measurement to which it applies; "" for all."""
     parameter: Parameter
-    """Name without the scope, unit and title."""
+    """Name (without the scope), unit and title."""
     start: float
-    """Where the search begins."""
+    """Value at which the search starts."""
     lower: float = -math.inf
-    """Least value; may be -inf."""
+    """Smallest value; may be -inf."""
     upper: float = math.inf
-    """Greatest value; may be inf."""
+    """Largest value; may be inf."""
     prior: tuple[float, float] | None = None
-    """Mean and standard deviation."""
+    """Mean and standard deviation of the prior."""
     is_log: bool
-    """Whether x is its logarithm."""
+    """Whether x is the logarithm of the value."""
     size: float
-    """What is a large change of x: 1 on a log scale."""
+    """Size of a large change of x: 1 on a log scale."""
     tied: Mapping[str, float] = field(default_factory=dict[str, float])
     """Powers of the numbers that follow it, by name."""
 
@@ -116,26 +116,26 @@ class ResolvedUnknown:
         return low, high
 
     def x(self, value: float) -> float:
-        """The coordinate of a value."""
+        """Return the coordinate of a value."""
         return math.log(value) if self.is_log else value
 
     def value(self, x: float) -> float:
-        """The value of a coordinate, inside its range whatever rounding does."""
+        """Return the value of a coordinate, inside its range regardless of rounding."""
         return min(max(math.exp(x) if self.is_log else x, self.lower), self.upper)
 
     def slope(self, value: float) -> float:
-        """dq/dx."""
+        """Return dq/dx."""
         return value if self.is_log else 1.0
 
 
 def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]]) -> tuple[Unknown, ...]:
-    """Names, unknowns, or a mapping from names to ranges as unknowns.
+    """Convert names, unknowns, or a mapping from names to ranges to unknowns.
 
     Args:
-        parameters: At least one, no name twice.
+        parameters: At least one, with different names.
 
     Raises:
-        ValueError: If there is none, or a name twice.
+        ValueError: If there is none, or a name occurs twice.
     """
 
     def unknown(name: str, item: Any) -> Unknown:
@@ -153,13 +153,13 @@ def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float
     return tuple(found)
 
 
-# ---- names looked up in the measurements, and everything filled in that was left open ------------------------------
+# ---- looking up names in the measurements, and filling in what was left open ---------------------------------------
 
 
 def split_name(
     unknown: Unknown, scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
 ) -> tuple[str, str]:
-    """The scope of an unknown's name and the rest.
+    """Split the name of an unknown into its scope and the rest.
 
     Raises:
         ValueError: If no measurement has such a number.
@@ -184,7 +184,7 @@ def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> 
 
 
 def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
-    """The numbers that each scenario has, by name; the same dictionary for what is alike."""
+    """Return the numbers of each scenario by name; one dictionary for those with the same robot and environment."""
     made: dict[object, dict[str, Parameter]] = {}
     keys = [(id(scenario.robot), id(scenario.environment)) for scenario in scenarios]
     for key, scenario in zip(keys, scenarios, strict=True):
@@ -194,13 +194,13 @@ def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
 
 
 def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -> ResolvedUnknown:
-    """An unknown with everything filled in.
+    """Fill in all fields of an unknown.
 
     Args:
-        unknown: As it was asked for.
-        scope: What it is for.
-        name: Without that.
-        seen: Of the measurements that depend on it.
+        unknown: Unknown as requested.
+        scope: Scope of the unknown.
+        name: Name without the scope.
+        seen: Scenarios and numbers of the measurements that depend on it.
     """
     if not seen:
         raise BadArgument("parameters", f"must leave something to `{unknown.name}`: more special ones take all of it")
@@ -244,13 +244,13 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
 
 
 def with_tied(scenario: Scenario, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
-    """The value of an unknown, and of all that follow it.
+    """Return the value of an unknown and of all numbers tied to it, by name.
 
     Args:
-        scenario: What the measurement has without the identification.
-        name: Of the unknown, without its scope.
-        value: Of it.
-        tied: Powers of what follows it, by name.
+        scenario: Scenario of the measurement, without identified values.
+        name: Name of the unknown, without its scope.
+        value: Value of the unknown.
+        tied: Powers of the tied numbers, by name.
     """
     if not tied:
         return {name: value}
@@ -260,7 +260,7 @@ def with_tied(scenario: Scenario, name: str, value: float, tied: Mapping[str, fl
 
 
 def _check_tied(unknown: Unknown, name: str, seen: Sequence[Numbered]) -> None:
-    """Refuse ties that no measurement can have."""
+    """Reject ties that no measurement can have."""
     where = f"`tied` of `{unknown.name}`"
     for scenario, numbers in seen if unknown.tied else ():
         for other in unknown.tied:
@@ -271,7 +271,7 @@ def _check_tied(unknown: Unknown, name: str, seen: Sequence[Numbered]) -> None:
 
 
 def _refusal(name: str, scenario: Scenario, tied: Mapping[str, float], value: float) -> str:
-    """Why a value is out of the range of its field; "" if it is not."""
+    """Return why a value is out of the range of its field; "" if it is not."""
     if name not in NUISANCE:
         try:
             changed(scenario, with_tied(scenario, name, value, tied))
@@ -281,7 +281,7 @@ def _refusal(name: str, scenario: Scenario, tied: Mapping[str, float], value: fl
 
 
 def _end(refusal: Callable[[float], str], inside: float, end: float) -> float:
-    """The farthest value towards `end` that the field allows."""
+    """Return the farthest value toward `end` that the field allows."""
     reach = math.copysign(1e6 * max(1.0, abs(inside)), end) if math.isinf(end) else end
     if not refusal(reach):
         return end

@@ -1,4 +1,4 @@
-"""Can the model predict what it was not fitted to? Refits without one measurement or one group, beside null models."""
+"""Prediction of data not used in the fit: refits without a measurement or a group, compared with null models."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,22 +19,22 @@ BY = ("measurement", "group")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LeftOut:
-    """Every measurement as a fit predicts it that did not see it."""
+    """Predictions of every measurement by a fit that did not see it."""
 
     by: str
-    """What was left out together: one `measurement` at a time, or one `group`."""
+    """What was left out at a time: one `measurement` or one `group`."""
     fit: result.Fit
-    """The fit to all."""
+    """The fit to all measurements."""
     predictions: Float[np.ndarray, " n_data"]
-    """As `Fit.predictions`; nan where the others do not say what the prediction needs."""
+    """Predictions in the order of `Fit.predictions`; nan where the others do not determine what they need."""
     values: Float[np.ndarray, "n_left_out n_unknowns"]
-    """What was identified each time."""
+    """Identified values of each refit."""
 
     def percentage_error(self, figure: str = "forward_velocity") -> float:
-        """Mean of |predicted - measured| / measured over the measurements of a figure; nan if one cannot be predicted.
+        """Return the mean of |predicted - measured| / measured for a figure; nan if one value cannot be predicted.
 
         Args:
-            figure: Its name.
+            figure: Name of the figure.
         """
         return self.fit.percentage_error(figure, self.predictions)
 
@@ -42,12 +42,12 @@ class LeftOut:
 def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress = silent) -> LeftOut:
     """Refit without each measurement, or without each group, and predict what was left out.
 
-    Where it began is what the fit to all says: nothing else can.
+    The start state of a trial left out is taken from the fit to all, the only source for it.
 
     Args:
-        found: The fit to all; each refit begins at its values.
+        found: The fit to all; each refit starts from its values.
         by: measurement or group.
-        progress: Called with the share that is finished.
+        progress: Called with the finished fraction.
 
     Raises:
         ValueError: If there is nothing left to fit to.
@@ -73,10 +73,10 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
 
 
 def linear_leave_one_out(found: result.Fit) -> Float[np.ndarray, " n_data"]:
-    """Predictions of every single number by the others, as the linearized model has them, without any refit.
+    """Predict every single number from the others with the linearized model, without any refit.
 
-    With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, a residual r of a number that takes part in the fit is
-    r / (1 - h) if it does not.
+    With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, the residual r of a number used in the fit becomes
+    r / (1 - h) if that number is left out.
 
     Args:
         found: The fit.
@@ -88,7 +88,7 @@ def linear_leave_one_out(found: result.Fit) -> Float[np.ndarray, " n_data"]:
 
 
 def compared_with_null_models(found: result.Fit) -> tuple[NullModel, ...]:
-    """Null models fitted to the same speeds; none for gaits that they do not know, or without speeds.
+    """Fit null models to the same speeds; return none for gaits that they do not know, or without speeds.
 
     Args:
         found: The fit.
@@ -106,26 +106,26 @@ def compared_with_null_models(found: result.Fit) -> tuple[NullModel, ...]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation:
-    """A fit, and how it does on what it was not fitted to."""
+    """A fit, and its performance on data that it was not fitted to."""
 
     task: tasks.Task
-    """What was asked for."""
+    """The task."""
     found: result.Fit
-    """What was found."""
+    """The fit."""
     left_out: Float[np.ndarray, " n_data"]
-    """Every number as the others predict it."""
+    """Prediction of every number from the others."""
     is_linearized: bool
-    """Whether that is by the linearized model, without refits."""
+    """Whether these predictions come from the linearized model, without refits."""
     by_group: LeftOut | None
-    """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
+    """Predictions by group, always with refits; None if the other groups do not suffice, or if not requested."""
     null_models: tuple[NullModel, ...]
-    """Models without physics on the same speeds."""
+    """Models without physics for the same speeds."""
     profiles: Mapping[str, uncertainty.Ends]
-    """By name of the unknown, intervals from the likelihood itself, if asked for."""
+    """Intervals from the likelihood itself by name of the unknown, if requested."""
 
     @property
     def errors(self) -> dict[str, float | None]:
-        """Mean errors of the forward velocity, by their names in `NullModel` [%]; None where there is none."""
+        """Mean errors of the forward velocity by their names in `NullModel` [%]; None if there are none."""
         groups = np.full_like(self.left_out, np.nan) if self.by_group is None else self.by_group.predictions
         every = {"fitted": self.found.predictions, "left_out": self.left_out, "group_left_out": groups}
         if not any("forward_velocity" in one.figures for one in self.found.problem.measurements):
@@ -143,15 +143,15 @@ def validate(
     profiles: bool = False,
     progress: Callable[[str, float], None] = silent,
 ) -> Validation:
-    """How a fit does on what it was not fitted to; Ctrl-C ends it with what is known until then.
+    """Test a fit on data that it was not fitted to; Ctrl-C ends this with the results so far.
 
     Args:
-        task: What was asked for.
-        found: What was found.
-        exact: Whether every measurement is left out by a refit, instead of by the linearized model.
+        task: The task.
+        found: The fit.
+        exact: Whether every measurement is left out in a refit, instead of with the linearized model.
         by_group: Whether groups are left out, if there are several.
-        profiles: Whether intervals are computed from the likelihood too.
-        progress: Called now and then with what is going on, and the share of it that is finished.
+        profiles: Whether intervals are also computed from the likelihood.
+        progress: Called periodically with the current step and its finished fraction.
     """
     single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, dict[str, uncertainty.Ends]()
     is_whole = fitting.INTERRUPTED not in found.warnings
@@ -180,7 +180,7 @@ def validate(
 
 
 def _suffices(found: result.Fit, names: Sequence[str]) -> bool:
-    """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
+    """Check that enough data remain for a fit when the measurements of any one of these names are left out."""
     problem = found.problem
     n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.method.noise == "estimated")
     sizes = np.bincount(problem.owner, minlength=len(names))

@@ -1,4 +1,4 @@
-"""The virtual tank: Mamba's modules on a CAN bus, cameras and a power meter, around a `Plant` that is handed in."""
+"""The virtual tank: Mamba's modules on a CAN bus, cameras and a power meter around a given `Plant`."""
 
 from typing import TYPE_CHECKING
 

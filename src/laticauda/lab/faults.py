@@ -1,4 +1,4 @@
-"""What may go wrong in the tank: on command, or by a schedule in a TOML file.
+"""Faults in the tank, on command or according to a schedule in a TOML file.
 
 A schedule is a list of tables ``[[faults]]``, each with the fields of `Fault`:
 
@@ -23,12 +23,12 @@ ON_NODES = tuple(kind for kind, one in _KINDS.items() if one.get("at_a_module"))
 
 
 class FaultFileError(LaticaudaError, ValueError):
-    """A schedule of faults is wrong: it says which file, key, rule and value."""
+    """A schedule of faults is invalid; the message gives the file, the key, the rule and the value."""
 
 
 @value
 class Fault:
-    """One thing that goes wrong."""
+    """One fault."""
 
     kind: str = option("Which; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
     time: float = quantity("s", "When, by the lab's clock", ge=0.0, default=0.0)
@@ -53,64 +53,64 @@ class Fault:
             raise BadArgument("node", f"must be left out for `{self.kind}`, got {self.node}")
 
     def is_on(self, time: float) -> bool:
-        """Whether it is there at a moment.
+        """Return whether the fault is present at a time.
 
         Args:
-            time: By the lab's clock [s].
+            time: Time on the lab's clock [s].
         """
         return self.time <= time < self.time + self.duration
 
 
 class Faults:
-    """All faults that there are, were and will be.
+    """All present, past and future faults.
 
     Args:
-        schedule: Those that are known before.
+        schedule: Faults that are known in advance.
     """
 
     def __init__(self, schedule: Iterable[Fault] = ()) -> None:
         self._all = list(schedule)
         self.present: tuple[Fault, ...] = ()
-        """Those that are there now."""
+        """Faults that are present now."""
 
     def add(self, fault: Fault) -> None:
-        """One more: `fault`.
+        """Add one more `fault`.
 
         Args:
-            fault: What happens, where, and from when to when.
+            fault: Fault to add, with its place and time.
         """
         self._all.append(fault)
 
     def clear(self) -> None:
-        """No more faults; what they did stays done."""
+        """Remove all faults; what they have done remains."""
         self._all, self.present = [], ()
 
     def look(self, time: float) -> None:
-        """See which are on at `time` [s]; the other questions are answered for then.
+        """Find the faults that are present at `time` [s]; later queries refer to this time.
 
         Args:
-            time: Now [s].
+            time: Current time [s].
         """
         self.present = tuple(fault for fault in self._all if fault.is_on(time))
 
     def on(self, kind: str, node: int = protocol.EVERY_NODE) -> Fault | None:
-        """A fault of `kind` that is there now, at `node` or everywhere; None: there is none.
+        """Return a fault of `kind` that is present now, at `node` or everywhere; None if there is none.
 
         Args:
-            kind: What happens, as `meter_silent`.
-            node: Of which module; every one's, if none is named.
+            kind: Kind of fault, such as `meter_silent`.
+            node: Number of the module; by default, all modules.
         """
         return next((one for one in self.present if one.kind == kind and one.node in (protocol.EVERY_NODE, node)), None)
 
 
 def load_faults(path: str | Path) -> tuple[Fault, ...]:
-    """Read a schedule.
+    """Read a schedule of faults.
 
     Args:
-        path: A TOML file.
+        path: Path of a TOML file.
 
     Raises:
-        FaultFileError: If anything is wrong with it; the message has the file, the entry, the rule and the value.
+        FaultFileError: If anything in it is invalid; the message gives the file, the entry, the rule and the value.
     """
     table = files.read_toml(path, FaultFileError)
     with codec.keys_of(path, FaultFileError):
@@ -119,14 +119,14 @@ def load_faults(path: str | Path) -> tuple[Fault, ...]:
 
 
 def fault_from_words(text: str, now: float) -> Fault:
-    """The fault that a line such as `leak node=5 duration=2` says; it begins now, unless it says a `time`.
+    """Return the fault that a line such as `leak node=5 duration=2` describes; it begins now unless a `time` is given.
 
     Args:
-        text: The kind, then fields.
-        now: By the lab's clock [s].
+        text: Kind, followed by fields.
+        now: Current time on the lab's clock [s].
 
     Raises:
-        ValueError: If it says none.
+        ValueError: If the line does not describe a fault.
     """
     words = text.split()
     if not words:

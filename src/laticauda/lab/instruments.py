@@ -1,4 +1,4 @@
-"""What measures the robot, from what is so to what is read: cameras, the meter in the supply cable, its modules."""
+"""Instruments, from the robot's true state to readings: cameras, the meter in the supply cable, the modules."""
 
 import math
 from statistics import fmean
@@ -14,17 +14,17 @@ from laticauda.protocol import BodyPose, MeterReading, MocapFrame, meter
 from laticauda.robot import Robot
 
 BODY = "last-module"
-# Where the five markers sit on their body: a cross with one arm longer than the others; an assumption [m].
+# Positions of the five markers on their body: a cross with one arm longer than the others; an assumption [m].
 MARKERS = ((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (-0.04, 0.0, 0.0), (0.0, 0.04, 0.0), (0.0, -0.03, 0.01))
 ROTATION_JUMP = 0.1  # rad, of a body with a marker mistaken for its mirror image
 
 
 class Cameras:
-    """The cameras and what they have to tell.
+    """The cameras and their frames.
 
     Args:
-        settings: Their numbers.
-        random: Where the noise comes from.
+        settings: Settings of the cameras.
+        random: Source of the noise.
     """
 
     def __init__(self, settings: MocapSettings, random: np.random.Generator) -> None:
@@ -34,15 +34,15 @@ class Cameras:
         self._number = 0
 
     def look(self, modules: ModulePoses, time: float, *, hidden: bool = False) -> MocapFrame | None:
-        """The next frame.
+        """Return the next frame.
 
         Args:
-            modules: Where the robot is.
-            time: Of the frame [s].
-            hidden: Whether something keeps the markers from the cameras.
+            modules: Poses of the robot's modules.
+            time: Time of the frame [s].
+            hidden: Whether something hides the markers from the cameras.
 
         Returns:
-            The frame, or None if it never comes.
+            The frame, or None if it never arrives.
         """
         s, random = self.settings, self._random
         self._number += 1
@@ -58,10 +58,10 @@ class Cameras:
         return MocapFrame(timestamp=time, number=self._number, bodies=(body,))
 
     def covers(self, position: Float[np.ndarray, " 3"]) -> bool:
-        """Whether a place is in the volume that the cameras cover.
+        """Return whether a place is in the volume that the cameras cover.
 
         Args:
-            position: In world axes [m].
+            position: Position in world axes [m].
         """
         s = self.settings
         return bool(np.all(np.abs(position - np.array(s.middle)) <= 0.5 * np.array(s.size)))
@@ -73,7 +73,7 @@ class Cameras:
         chance: float,
         noise: Float[np.ndarray, "4 3"],
     ) -> BodyPose:
-        """The pose in the cameras' frame, with what is wrong with it."""
+        """Return the pose in the cameras' frame, with its errors."""
         s = self.settings
         depth = max(-float(position[2]), 0.0)
         mistaken = chance < s.reflection_share * math.exp(-depth / s.reflection_depth)
@@ -88,7 +88,7 @@ class Cameras:
 
 
 def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
-    """The rotation about a vector by its length [rad]."""
+    """Return the rotation about a vector by its length [rad]."""
     half = 0.5 * float(np.linalg.norm(vector))
     return from_quaternion(math.cos(half), *(0.5 * float(np.sinc(half / math.pi)) * vector))
 
@@ -97,11 +97,11 @@ IDENTITY = "FLUKE 289,V1.16,00000007"  # model, software, serial number
 
 
 class Multimeter:
-    """What it shows, and its answers.
+    """The multimeter: its display and its answers.
 
     Args:
-        settings: Its numbers.
-        random: Where the noise comes from.
+        settings: Settings of the meter.
+        random: Source of the noise.
     """
 
     def __init__(self, settings: SupplySettings, random: np.random.Generator) -> None:
@@ -109,10 +109,10 @@ class Multimeter:
         self._charge, self._elapsed, self._time = 0.0, 0.0, 0.0
         self._live: float | None = None
         self._began: float | None = None
-        self._shown: list[float] = []  # since then
+        self._shown: list[float] = []  # since it began
 
     def advance(self, current: float, dt: float) -> None:
-        """Let `dt` [s] pass at a `current` [A]."""
+        """Advance time by `dt` [s] at a `current` [A]."""
         self._time += dt
         self._charge += current * dt
         self._elapsed += dt
@@ -125,7 +125,7 @@ class Multimeter:
 
     @property
     def reading(self) -> MeterReading | None:
-        """What it shows; None: nothing yet."""
+        """Reading on the display; None: nothing yet."""
         if self._live is None:
             return None
         if self._began is None or not self._shown:
@@ -134,7 +134,7 @@ class Multimeter:
         return MeterReading(live=self._live, average=fmean(self._shown), **ends, duration=self._time - self._began)
 
     def answer(self, line: str) -> bytes:
-        """What it says to a line, as it goes over the wire."""
+        """Return the answer to a line, as bytes on the wire."""
         word = " ".join(line.upper().split())
         if word == meter.IDENTITY:
             return meter.encode_answer(IDENTITY)
@@ -155,18 +155,18 @@ class Multimeter:
 
 
 GRAVITY = 9.81  # m/s^2
-# How gently the play of a gear is taken up; assumptions that keep it from rattling in steps of the lab's clock.
+# How gently gear play is taken up; assumptions that keep it from rattling in steps of the lab's clock.
 PLAY_TORQUE, PLAY_TIME = 0.2, 0.03  # N m, s
 
 
 class Electronics:
-    """What has a memory between body and firmware: heat, play of the gears, accelerometers, the supply.
+    """Everything between body and firmware that has a memory: heat, gear play, accelerometers, the supply.
 
     Args:
-        robot: With all of its joints, and those of its fin.
-        settings: The tank's numbers.
-        random: Where the noise comes from.
-        servos: The law of the joints.
+        robot: Robot with all its joints, and those of its fin.
+        settings: Settings of the tank.
+        random: Source of the noise.
+        servos: Law of the joints.
     """
 
     def __init__(self, robot: Robot, settings: LabSettings, random: np.random.Generator, servos: Servo) -> None:
@@ -179,7 +179,7 @@ class Electronics:
         self._voltage = np.array([a.voltage for a in actuators])
         self._idle = robot.idle_power
         n = len(actuators)
-        self._modules = [*range(robot.n_joints), 0][:n]  # that carry the nodes; a driven fin's is in the last one
+        self._modules = [*range(robot.n_joints), 0][:n]  # modules with the nodes; a driven fin's is in the last one
         self.zero_error = random.uniform(-1.0, 1.0, n) * settings.nodes.zero_error
         self.play = np.zeros(n)
         self.duty, self.current = np.zeros(n), np.zeros(n)
@@ -191,7 +191,7 @@ class Electronics:
         self._work = 0.0
 
     def offset(self, zero: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-        """What the nodes read above the joint angles that are so, noise aside [rad]."""
+        """Return by how much the nodes' readings exceed the true joint angles, apart from noise [rad]."""
         return self.zero_error + self.play + zero
 
     def advance(
@@ -202,16 +202,16 @@ class Electronics:
         jammed: Bool[np.ndarray, " n"],
         dt: float,
     ) -> None:
-        """Let `dt` pass.
+        """Advance time by `dt`.
 
         Args:
-            truth: At its end.
-            reference: Where the motors are to go, by joint angles that are so [rad].
-            on: Which of them are on.
-            jammed: Which joints cannot turn; the plant's work does not know of their motors.
-            dt: [s].
+            truth: True state at its end.
+            reference: Where the motors are to go, as true joint angles [rad].
+            on: Which motors are on.
+            jammed: Which joints cannot turn; the plant's work does not include their motors.
+            dt: Time step [s].
         """
-        # The sensor is on the motor's side, which leads by half the play wherever the motor pulls.
+        # The sensor is on the motor's side, which leads by half the play in the direction of the motor's pull.
         leads = 0.5 * self.settings.nodes.backlash * np.tanh(truth.joint_torque / PLAY_TORQUE)
         self.play = self.play + (leads - self.play) * (1.0 - math.exp(-dt / PLAY_TIME))
         motion = zip(truth.joint_angle, truth.joint_rate, reference, self._drives, strict=True)
@@ -222,14 +222,14 @@ class Electronics:
         power = self._idle + float(extra) + (truth.electrical_work - self._work) / dt
         self._work = truth.electrical_work
         supply = self.settings.supply
-        # Of the two roots of P = (V - R I) I, the one that a supply works at; beyond its limit, it gives what it can.
+        # Of the two roots of P = (V - R I) I, the one at which a supply works; beyond its limit, it gives what it can.
         most = supply.voltage**2 / (4.0 * supply.cable_resistance) if supply.cable_resistance else np.inf
         root = np.sqrt(1.0 - min(power / most, 1.0))
         self.voltage = 0.5 * supply.voltage * (1.0 + float(root))
         self.supply_current = power / self.voltage
 
     def accelerate(self, truth: virtual_robot.Truth, dt: float) -> None:
-        """See the modules at the end of a step of the regular clock, for the accelerometers."""
+        """Update the accelerometers from the modules at the end of a step of the regular clock."""
         poses = truth.modules
         self._positions = [*self._positions[-2:], poses.position[self._modules]]
         if len(self._positions) == 3:
@@ -238,15 +238,15 @@ class Electronics:
             self._acceleration = np.einsum("nij,ni->nj", poses.rotation[self._modules], felt)
 
     def forget(self, truth: virtual_robot.Truth) -> None:
-        """The robot was carried elsewhere: no acceleration comes from that, and no work."""
+        """Ignore that the robot was carried elsewhere: this causes no acceleration and no work."""
         self._positions = []
         self._work = truth.electrical_work
 
     def read(self, truth: virtual_robot.Truth, leaks: Bool[np.ndarray, " n"]) -> list[nodes.Senses]:
-        """What every node reads now.
+        """Return the current readings of every node.
 
         Args:
-            truth: What is so.
+            truth: True state of the robot.
             leaks: Which modules have water inside.
         """
         s, n = self.settings.nodes, self.duty.size

@@ -1,7 +1,7 @@
 """The firmware of one joint module: its states, its answers on the bus, and what its motor does.
 
-Control of the joint is the servo's own (`actuation.Servo` or `SpeedServo`); the node says where the servo is to go,
-whether its motor is on, and watches over it.
+The servo itself (`actuation.Servo` or `SpeedServo`) controls the joint; the node sets its reference, switches its motor
+on and off, and monitors it.
 """
 
 import math
@@ -12,31 +12,31 @@ from laticauda.lab.settings import NodeSettings
 from laticauda.protocol import EVERY_NODE, FAULTS, NodeState, Order, Result, messages
 
 SETTLED = (NodeState.READY, NodeState.LIMP)
-STUCK_SMOOTHING = 0.05  # of the angle, so that the sensor's noise is no travel; an assumption [s]
+STUCK_SMOOTHING = 0.05  # of the angle, so that sensor noise does not count as travel; an assumption [s]
 
 
 @dataclass(kw_only=True)
 class Senses:
-    """What a node's sensors read at one moment."""
+    """Readings of a node's sensors at one moment."""
 
     angle: float = 0.0
-    """Of the joint, by a sensor whose zero is not known [rad]."""
+    """Angle of the joint, from a sensor whose zero is not known [rad]."""
     rate: float = 0.0
-    """[rad/s]."""
+    """Rate of the joint [rad/s]."""
     current: float = 0.0
-    """Of the motor [A]."""
+    """Current of the motor [A]."""
     duty: float = 0.0
-    """Of the motor [-]."""
+    """Duty of the motor [-]."""
     torque: float = 0.0
-    """Of the motor at the joint, by its current [N m]."""
+    """Torque of the motor at the joint, from its current [N m]."""
     load: float = 0.0
-    """By the force/torque sensor [N m]."""
+    """Torque from the force/torque sensor [N m]."""
     acceleration: Sequence[float] = (0.0, 0.0, 0.0)
-    """By the accelerometer [m/s^2]."""
+    """Acceleration from the accelerometer [m/s^2]."""
     temperature: float = 20.0
-    """Of the motor [deg C]."""
+    """Temperature of the motor [deg C]."""
     voltage: float = 35.0
-    """Of the supply [V]."""
+    """Voltage of the supply [V]."""
     leak: bool = False
     """Whether there is water inside [-]."""
 
@@ -45,7 +45,7 @@ class Node:
     """One module's microcontroller.
 
     Args:
-        number: 1 to 19.
+        number: Number of the node, 1 to 19.
         settings: Its times and limits.
         limit: Largest angle of the joint to either side [rad].
     """
@@ -55,7 +55,7 @@ class Node:
         self.power_on(0.0)
 
     def power_on(self, now: float) -> None:
-        """Begin anew: all memory but that of the program is gone."""
+        """Restart: all memory except that of the program is lost."""
         self.state = NodeState.STARTUP
         self.flags: set[str] = {"not_calibrated"}
         self.zero = 0.0
@@ -64,7 +64,7 @@ class Node:
         self._pending: float | None = None
         self._since = self._referred = self._ticked = now
         self._heartbeat_due = now
-        # Spread over the interval, so that the bus is not asked for all at once.
+        # Spread over the interval, so that the nodes do not all need the bus at once.
         self._sensors_due = now + self.settings.sensor_interval * self.number / 18.0
         self._counter = 0
         self._current = self._stuck = 0.0
@@ -76,14 +76,14 @@ class Node:
         return self.state.is_on
 
     def tick(self, now: float, senses: Senses) -> list[messages.CanMessage]:
-        """Let time pass.
+        """Advance to the current time.
 
         Args:
-            now: [s].
-            senses: What the sensors read now.
+            now: Current time [s].
+            senses: Current readings of the sensors.
 
         Returns:
-            What it has to say.
+            Messages to send.
         """
         dt, self._ticked = now - self._ticked, now
         before = self.state
@@ -101,12 +101,12 @@ class Node:
         return said
 
     def receive(self, message: messages.CanMessage, now: float, senses: Senses) -> list[messages.CanMessage]:
-        """Hear a message, and answer.
+        """Receive a message, and return the answers.
 
         Args:
-            message: From anybody.
-            now: [s].
-            senses: What the sensors read now.
+            message: Message from any sender.
+            now: Current time [s].
+            senses: Current readings of the sensors.
         """
         if isinstance(message, messages.References):
             if message.group == (self.number - 1) // messages.PER_FRAME:
@@ -154,7 +154,7 @@ class Node:
         return [reply] if self.state == before else [reply, self._heartbeat(now, senses)]
 
     def _do(self, command: messages.NodeCommand, now: float, senses: Senses) -> bool:
-        """Carry an order out; whether it was possible."""
+        """Carry out an order, and return whether it was possible."""
         if command.order == Order.CLEAR:
             return self._clear(now, senses)
         if command.order == Order.SET_ZERO:
@@ -183,7 +183,7 @@ class Node:
         return self.state != NodeState.FAULT
 
     def _watch(self, dt: float, senses: Senses) -> None:
-        """Look for faults."""
+        """Check for faults."""
         limits = self.settings
         if senses.leak:
             self.flags.add("leak")
@@ -196,10 +196,10 @@ class Node:
             self.flags.add("stuck")
 
     def _is_stuck(self, dt: float, senses: Senses) -> bool:
-        """Whether the joint stays where it is, however long the motor pulls with all it has.
+        """Return whether the joint stays where it is, although the motor keeps pulling as hard as it can.
 
-        That it stands says little: a servo that is loaded by the water stalls for seconds, and then goes on. So the
-        time of full pull adds up until the joint has come away from where it stood.
+        Standing still says little: a servo loaded by the water stalls for seconds, and then moves on. The time of full
+        pull therefore adds up until the joint has moved away from where it stood.
         """
         limits, angle = self.settings, senses.angle
         share = min(dt / STUCK_SMOOTHING, 1.0)
@@ -211,7 +211,7 @@ class Node:
         return self._stuck > limits.stuck_time
 
     def _live(self, now: float) -> None:
-        """Go from state to state as time and faults will have it."""
+        """Change the state as time and faults require."""
         limits = self.settings
         if self.state == NodeState.STARTUP:
             if now - self._since >= limits.startup_time:
@@ -230,7 +230,7 @@ class Node:
             self._enter(NodeState.LIMP, now)
 
     def _follow(self, dt: float) -> None:
-        """Move the reference to the target, no faster than allowed; a node that holds, holds where it is."""
+        """Move the reference toward the target, no faster than allowed; a node that holds keeps its reference."""
         if self.state == NodeState.ACTIVE:
             most = self.settings.speed_limit * dt
             self.reference += min(max(self.target - self.reference, -most), most)

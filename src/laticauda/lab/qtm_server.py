@@ -1,4 +1,4 @@
-"""A server of the QTM real-time protocol: enough of it that the vendor's own client package streams from it."""
+"""A server of the QTM real-time protocol, complete enough for the vendor's own client package to stream from it."""
 
 import asyncio
 import threading
@@ -20,7 +20,7 @@ PARSE_ERROR = qtm.encode_text("Parse error", qtm.PacketType.ERROR)
 
 
 class ServerFailed(LaticaudaError, OSError):
-    """A server of the lab cannot begin: it says where, and why."""
+    """A server of the lab cannot start; the message says where, and why."""
 
 
 @dataclass(eq=False)
@@ -28,7 +28,7 @@ class _Client:
     """One connection."""
 
     writer: asyncio.StreamWriter
-    components: tuple[qtm.Component, ...] = ()  # of its stream; none: it has no stream
+    components: tuple[qtm.Component, ...] = ()  # of its stream; empty: it has no stream
     divisor: int = 1
     reader: qtm.PacketReader = field(default_factory=qtm.PacketReader)
 
@@ -38,12 +38,12 @@ class _Client:
 
 
 class QtmServer:
-    """Speaks to any number of clients, in a thread of its own.
+    """Server for up to `MOST_CLIENTS` clients, in a separate thread.
 
     Args:
-        rate: Frames per second that the cameras make [Hz].
-        host: Where it listens; the default is this computer alone.
-        port: Its port; 0: any free one.
+        rate: Frame rate of the cameras [Hz].
+        host: Host address at which it listens; by default, only this computer.
+        port: Port at which it listens; 0: any free one.
     """
 
     def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:
@@ -62,10 +62,10 @@ class QtmServer:
         }
 
     def start(self) -> None:
-        """Begin to listen.
+        """Start listening.
 
         Raises:
-            ServerFailed: If it cannot.
+            ServerFailed: If it cannot listen.
         """
         loop = self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=loop.run_forever, name="qtm-server", daemon=True)
@@ -89,10 +89,10 @@ class QtmServer:
         loop.close()
 
     def publish(self, frame: MocapFrame) -> None:
-        """Send `frame` to all who stream; may be called from any thread.
+        """Send `frame` to all clients that stream; may be called from any thread.
 
         Args:
-            frame: The bodies' poses, and when they were seen.
+            frame: Poses of the bodies, and when they were seen.
         """
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._publish, frame)
@@ -124,9 +124,9 @@ class QtmServer:
             while data := await reader.read(65536):
                 for kind, payload in client.reader.feed(data):
                     self._answer(client, kind, qtm.decode_text(payload))
-                await writer.drain()  # who asks and does not read is not answered further
+                await writer.drain()  # a client that asks and does not read gets no further answers
         except (ProtocolError, OSError):
-            pass  # whoever speaks something else is hung up on
+            pass  # clients that speak something else are disconnected
         finally:
             self._clients.discard(client)
             writer.close()
@@ -176,7 +176,7 @@ class QtmServer:
         return b""  # the first frame is the answer
 
     def _divisor(self, word: str) -> int | None:
-        """Every how many frames one is to be sent; None: the word says nothing of it."""
+        """Return the interval, in frames, at which one is to be sent; None if the word does not give it."""
         name, _, number = word.partition(":")
         if word == "allframes":
             return 1
@@ -188,5 +188,5 @@ class QtmServer:
 
 
 def _components(words: Sequence[str]) -> tuple[qtm.Component, ...] | None:
-    """What a client wants of every frame, as far as we have it; None: nothing that we have."""
+    """Return the components of a frame that a client wants and that we have; None if there are none."""
     return tuple(qtm.COMPONENTS[word.lower()] for word in words if word.lower() in qtm.COMPONENTS) or None

@@ -1,4 +1,4 @@
-"""Faults that no device tells of: of the robot, of the water, and of what the cameras take for the robot."""
+"""Faults that no device reports: of the robot, of the water, and of what the cameras take for the robot."""
 
 import math
 from dataclasses import replace
@@ -16,18 +16,18 @@ from laticauda.protocol import BodyPose, MocapFrame
 from laticauda.robot import Water
 
 OF_PLANT = ("weak_servo", "lost_fin", "moving_water")
-SLIP_TIME = 0.3  # in which a horn slips, under load [s]
+SLIP_TIME = 0.3  # time in which a horn slips under load [s]
 
 
 def check(fault: Fault, plant: Plant[Any]) -> None:
-    """Refuse what cannot happen to this robot here.
+    """Reject a fault that cannot happen to this robot in this environment.
 
     Args:
-        fault: What is to happen.
+        fault: Fault that is to happen.
         plant: The robot in its water.
 
     Raises:
-        ValueError: If it cannot.
+        ValueError: If it cannot happen.
     """
     fin = plant.robot.caudal_fin
     if fault.kind == "lost_fin" and fin is not None and (plant.robot.fin_joints or fin.n_hinges):
@@ -38,12 +38,12 @@ def check(fault: Fault, plant: Plant[Any]) -> None:
 
 
 def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
-    """What the faults of this moment make of a plant; its state stays what it is, and what is lost was at rest.
+    """Return a plant with the present faults; its state stays the same, and what is lost was at rest.
 
     Args:
-        body: The robot, whose modules the plant's joints are.
-        built: The plant without faults.
-        faults: What there is now.
+        body: Robot whose modules the plant's joints are.
+        built: Plant without faults.
+        faults: Faults that are present.
     """
     robot, water = built.robot, built.environment
     joints = list(robot.joints)
@@ -62,11 +62,11 @@ def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]
 
 
 class Mistakes:
-    """What cameras say instead of what they see.
+    """What cameras report instead of what they see.
 
     Args:
-        cameras: Whose noise another body has, too.
-        random: Of that noise.
+        cameras: Cameras whose noise another body also has.
+        random: Source of that noise.
     """
 
     def __init__(self, cameras: Cameras, random: np.random.Generator) -> None:
@@ -74,12 +74,12 @@ class Mistakes:
         self._seen: BodyPose | None = None
 
     def instead(self, frame: MocapFrame, faults: Faults, time: float) -> MocapFrame:
-        """What is said.
+        """Return the frame that is reported.
 
         Args:
-            frame: What is seen.
-            faults: What there is now.
-            time: By the lab's clock [s].
+            frame: Frame that is seen.
+            faults: Faults that are present.
+            time: Time on the lab's clock [s].
         """
         (body,) = frame.bodies
         drift, slip = faults.on("clock_drift"), faults.on("marker_slip")
@@ -89,7 +89,7 @@ class Mistakes:
             body = replace(body, rotation=body.rotation @ turn("yaw", slip.angle))
         if faults.on("wrong_body") is None:
             self._seen = None
-        elif body is not None:  # it lies where the robot's was
+        elif body is not None:  # the other body lies where the robot's was
             self._seen = self._seen or body
             noise = self._noise * self._random.standard_normal(3)
             body = replace(body, position=self._seen.position + noise, rotation=self._seen.rotation)

@@ -1,4 +1,4 @@
-"""The tank on real wires and at a real pace: a CAN bus, a server for the cameras, a serial line for the meter."""
+"""The tank on real wires and in real time: a CAN bus, a server for the cameras, a serial line for the meter."""
 
 import os
 import select
@@ -17,10 +17,10 @@ from laticauda.protocol.meter import LineReader
 
 
 class SerialLine(worker.Worker[None]):
-    """Answers lines; its `path` is what pyserial opens.
+    """Serial line that answers queries; pyserial opens its `path`.
 
     Args:
-        answer: What to say to a line.
+        answer: Function that returns the answer to a line.
 
     Raises:
         ServerFailed: If the operating system has no pseudo-terminals.
@@ -48,38 +48,38 @@ class SerialLine(worker.Worker[None]):
                     os.write(self._ours, self._answer(line))
 
     def release(self) -> None:
-        """Hang up."""
+        """Close the line."""
         for end in (self._ours, self._theirs):
             os.close(end)
 
 
-WORST_LAG = 0.5  # s; a lab that is further behind its clock lets the clock wait
-LONGEST_WAIT = 0.1  # s; how long Ctrl-C and other threads wait at most
+WORST_LAG = 0.5  # s; if the lab is further behind its clock, the clock waits
+LONGEST_WAIT = 0.1  # s; longest time that Ctrl-C and other threads wait
 
 
 @dataclass(frozen=True, kw_only=True)
 class LabAddresses:
-    """Where the lab is to be reached."""
+    """Addresses of the lab."""
 
     bus: BusAddress | Any
-    """The CAN bus, or what stands for it."""
+    """CAN bus, or what stands for it."""
     mocap_host: str
-    """Of the cameras' server [-]."""
+    """Host of the cameras' server [-]."""
     mocap_port: int
-    """Of the cameras' server [-]."""
+    """Port of the cameras' server [-]."""
     meter: str
-    """The meter's serial line [-]."""
+    """Path of the meter's serial line [-]."""
 
 
 class Lab:
-    """A tank that others reach over its wires.
+    """A tank that others can reach over its wires.
 
     Args:
-        tank: What is in it.
-        bus: The CAN bus on which its nodes are, or what stands for one, like python-can's.
-        host: Where the cameras' server listens; the default is this computer alone.
-        port: Its port; 0: any free one.
-        speed: Seconds of the lab for one second of ours.
+        tank: Tank to serve.
+        bus: CAN bus on which its nodes are, or what stands for one, like python-can's.
+        host: Host address at which the cameras' server listens; by default, only this computer.
+        port: Port of that server; 0: any free one.
+        speed: Seconds of the lab per second of real time.
     """
 
     def __init__(
@@ -87,10 +87,10 @@ class Lab:
     ) -> None:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
-        """What the clock had to wait in all, because this computer could not follow [s]."""
+        """Total time that the clock has waited because this computer could not keep up [s]."""
         self._bus_address, self._wires = bus, ExitStack()
         self.server: Any = QtmServer(tank.settings.mocap.rate, host, port)
-        """Of the cameras; another that starts, publishes and stops as it does may take its place before `open`."""
+        """Server of the cameras; before `open`, it may be replaced by one that starts, publishes and stops likewise."""
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
@@ -100,7 +100,7 @@ class Lab:
         """Open all wires.
 
         Raises:
-            LaticaudaError: If one of them cannot be opened; the message says which, and why.
+            LaticaudaError: If a wire cannot be opened; the message says which, and why.
         """
         with ExitStack() as wires:
             bus = self._bus_address
@@ -120,7 +120,7 @@ class Lab:
         self._wires.close()
 
     def __enter__(self) -> LabAddresses:
-        """Open all wires, and let time go on in a thread of its own until the end of the block; see `open`."""
+        """Open all wires, and advance time in a separate thread until the end of the block; see `open`."""
         addresses = self.open()
 
         def run() -> None:
@@ -134,25 +134,25 @@ class Lab:
         return addresses
 
     def __exit__(self, *_: object) -> None:
-        """As `close`; raises what went wrong in the thread meanwhile."""
+        """Stop, and close all wires; raise the error of the thread, if there was one."""
         self.close()
         if self._broken is not None:
             raise self._broken
 
     def call(self, function: Callable[[Tank], Any]) -> Any:
-        """Let a function look at the tank, or change it, while time stands still; from any thread.
+        """Call a function that looks at the tank, or changes it, while time stands still; from any thread.
 
         Args:
-            function: Takes the tank.
+            function: Function of the tank.
         """
         with self._lock:
             return function(self.tank)
 
     def run(self, duration: float | None = None) -> None:
-        """Let time go on.
+        """Advance time.
 
         Args:
-            duration: How long, by the lab's clock; None: until `close` [s].
+            duration: Duration on the lab's clock; None: until `close` [s].
 
         Raises:
             SimulationFailed: If the body's motion diverges.
@@ -171,9 +171,9 @@ class Lab:
                     self.tank.advance_to(min(self.tank.next_tick, end))
                     self._send()
             wait = (self.tank.next_tick - now) / self.speed
-            # With wait <= 0 there is a step to make; what has come meanwhile is heard all the same.
+            # With wait <= 0, a step is due; frames that have arrived in the meantime are still received.
             frame: Any = None
-            with suppress(python_can().CanError):  # what a bus cannot make sense of is as good as lost
+            with suppress(python_can().CanError):  # frames that a bus cannot decode count as lost
                 frame = self._bus.recv(min(max(wait, 0.0), LONGEST_WAIT))
             if frame is not None:
                 self._take(frame, first + clock.now() - self.lag)
@@ -186,7 +186,7 @@ class Lab:
             self._send()
 
     def _send(self) -> None:
-        """What the nodes and the cameras have to say goes out."""
+        """Send the frames of the nodes and of the cameras."""
         can = python_can()
         with suppress(can.CanError):  # a full buffer loses frames, as a busy bus does
             for identifier, data in self.tank.sent():

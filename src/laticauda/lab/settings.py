@@ -1,4 +1,4 @@
-"""The numbers of the virtual tank. What is not in the paper is an assumption, and says so."""
+"""Settings of the virtual tank. Those that are not in the paper are assumptions, and marked as such."""
 
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -6,10 +6,10 @@ from laticauda.quantities import option, quantity, value
 
 @value
 class NodeSettings:
-    """A joint module: its firmware's times and limits, its sensors, its heat. All are assumptions.
+    """Settings of a joint module: its firmware's times and limits, its sensors, its heat. All are assumptions.
 
-    The servo stalls at 4.6 A, hard swimming takes 3.3 A, and under the water's load the model's servos stall for about
-    2 s with the fin: hence the limit of the current and its time. Torque is limited by the motor itself.
+    The servo stalls at 4.6 A, hard swimming takes 3.3 A, and with the fin the model's servos stall for about 2 s under
+    the water's load, hence the current limit and its time. Torque is limited by the motor itself.
     """
 
     startup_time: float = quantity("s", "From power on until it talks", ge=0.0, default=1.0)
@@ -45,9 +45,9 @@ class NodeSettings:
 
 @value
 class MocapSettings:
-    """Cameras that see five markers on the last module, which is the tail: the paper's fin is on it, too.
+    """Settings of cameras that see five markers on the last module, the tail, which also carries the paper's fin.
 
-    The size of the volume and the markers' depth are the paper's; all else is an assumption.
+    The size of the volume and the markers' depth are from the paper; everything else is an assumption.
     """
 
     rate: float = quantity("Hz", "Frames per second", gt=0.0, default=100.0)
@@ -69,7 +69,7 @@ class MocapSettings:
 
 @value
 class SupplySettings:
-    """The power box, its cable, and the meter in it."""
+    """Settings of the power box, its cable, and the meter in the cable."""
 
     voltage: float = quantity("V", "Voltage of the box; the paper's", gt=0.0, default=35.0)
     cable_resistance: float = quantity("ohm", "To the modules and back; an assumption", ge=0.0, default=0.2)
@@ -79,7 +79,7 @@ class SupplySettings:
 
 @value
 class LabSettings:
-    """The whole virtual tank."""
+    """Settings of the whole virtual tank."""
 
     nodes: NodeSettings = option("The joint modules", default_factory=NodeSettings)
     mocap: MocapSettings = option("The cameras", default_factory=MocapSettings)

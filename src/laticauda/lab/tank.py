@@ -1,7 +1,7 @@
-"""The virtual tank without any wires: modules, cameras and meter around one body, in steps, all from one seed.
+"""The virtual tank without wires: modules, cameras and meter around one body, in steps, all from one seed.
 
-Nothing here waits and nothing runs by itself: who holds a `Tank` says how far time goes on, hands in frames that came,
-and takes away what there is to send. So a campaign runs as fast as it can, and the same calls give the same answers.
+Nothing here waits or runs by itself: the user of a `Tank` advances time, passes in received frames, and takes out the
+frames to send. A campaign therefore runs as fast as it can, and the same calls give the same answers.
 """
 
 import math
@@ -18,7 +18,7 @@ from laticauda.lab.settings import LabSettings
 from laticauda.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
 
-LEAST_STEP = 1e-4  # s; not worth a step of the plant
+LEAST_STEP = 1e-4  # s; shorter is not worth a step of the plant
 Wire = tuple[int, bytes]
 """A frame as the bus carries it: identifier and data."""
 
@@ -28,8 +28,8 @@ class Tank:
 
     Args:
         body: The robot in the water.
-        settings: The devices' numbers.
-        faults: What is to go wrong, and when.
+        settings: Settings of the devices.
+        faults: Faults that are to occur, with their times.
 
     Raises:
         ValueError: If the robot has more joints than the bus has nodes.
@@ -65,17 +65,17 @@ class Tank:
 
     @property
     def truth(self) -> Truth:
-        """What is so, now."""
+        """True state of the robot now."""
         return self.body.truth
 
     def inject(self, fault: Fault) -> None:
-        """Let a `fault` happen; one of the past never was.
+        """Let a `fault` happen; one in the past has no effect.
 
         Args:
-            fault: What happens, where, and from when to when.
+            fault: Fault, with its place and time.
 
         Raises:
-            ValueError: If it cannot happen to this robot here.
+            ValueError: If it cannot happen to this robot in this environment.
         """
         quiet.check(fault, self._built)
         self.faults.add(fault)
@@ -84,48 +84,48 @@ class Tank:
         """Take the robot out, straighten it, and put it back at rest at `start`.
 
         Args:
-            start: Where it is put, and how it heads.
+            start: Place and heading at which it is put.
         """
         self.body.carry(start)
         self.electronics.forget(self.truth)
         self._senses = self._read()
 
     def sent(self) -> list[Wire]:
-        """Take away the frames that the nodes sent since the last time."""
+        """Take out the frames that the nodes sent since the last call."""
         sent, self._outbox = self._outbox, []
         return sent
 
     def captured(self) -> list[MocapFrame]:
-        """Take away the frames that the cameras captured since the last time."""
+        """Take out the frames that the cameras captured since the last call."""
         captured, self._captured = self._captured, []
         return captured
 
     def answer(self, line: str) -> bytes:
-        """What the meter says to `line`; nothing while it is silent.
+        """Return the meter's answer to `line`; nothing while it is silent.
 
         Args:
-            line: What was asked, without the line's end.
+            line: Query, without the end of the line.
         """
         return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
 
     @property
     def next_tick(self) -> float:
-        """When the devices look at the world again [s]."""
+        """Time at which the devices next look at the world [s]."""
         return (self._ticks + 1) * self.settings.step
 
     def advance(self, dt: float) -> None:
-        """Let `dt` [s] pass.
+        """Advance time by `dt` [s].
 
         Args:
-            dt: By how much [s].
+            dt: Time step [s].
         """
         self.advance_to(self.time + dt)
 
     def advance_to(self, time: float) -> None:
-        """Let time go on.
+        """Advance to a time.
 
         Args:
-            time: Until when; nothing happens if that is past [s].
+            time: Time to advance to; nothing happens if it is in the past [s].
 
         Raises:
             SimulationFailed: If the body's motion diverges.
@@ -139,12 +139,12 @@ class Tank:
             self._march(time)
 
     def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
-        """A frame came over the bus; those of our nodes, which a bus may bring back, are passed over.
+        """Receive a frame from the bus; those of our own nodes, which a bus may return, are ignored.
 
         Args:
-            identifier: Of the frame.
-            data: Its bytes, whatever they are.
-            time: When it came; None: now [s].
+            identifier: Identifier of the frame.
+            data: Bytes of the frame, which may be anything.
+            time: Time of arrival; None: now [s].
         """
         if from_node(identifier):
             return
@@ -173,7 +173,7 @@ class Tank:
                 self._transmit(node, node.receive(received, self.time, self._senses[i]))
 
     def _deliver_late(self, time: float) -> None:
-        """Frames of a late computer whose time has come."""
+        """Deliver the frames of a late computer whose time has come."""
         due = [wire for when, wire in self._late if when <= time]
         self._late = [(when, wire) for when, wire in self._late if when > time]
         for identifier, data in due:
@@ -190,7 +190,7 @@ class Tank:
             self._outbox.append(wire)
 
     def _march(self, time: float) -> None:
-        """The body, to `time`."""
+        """Advance the body to `time`."""
         dt = time - self.time
         n = len(self.nodes)
         reference = np.fromiter((node.reference for node in self.nodes), float, n)
@@ -207,7 +207,7 @@ class Tank:
         self.meter.advance(self.electronics.supply_current, dt)
 
     def _tick(self) -> None:
-        """All devices read the body."""
+        """Let all devices read the body."""
         self.faults.look(self.time)
         self._apply_faults()
         self.electronics.accelerate(self.truth, self.settings.step)
@@ -223,7 +223,7 @@ class Tank:
                 self._captured.append(self._mistakes.instead(frame, self.faults, self.time))
 
     def _apply_faults(self) -> None:
-        """What the faults of this moment do to the modules, to the whole robot, and to the water."""
+        """Apply the present faults to the modules, to the whole robot, and to the water."""
         faults = self.faults
         altering = tuple(fault for fault in faults.present if fault.kind in quiet.OF_PLANT)
         if altering != self._altering:
@@ -266,14 +266,14 @@ HELP = Path(__file__).with_name("help.txt").read_text().strip().format(kinds=", 
 
 
 def assist(tank: Tank, line: str) -> str:
-    """Do what a line says, and tell what was done.
+    """Execute the command in a line, and return what was done.
 
     Args:
-        tank: Where.
-        line: What, in the words of `HELP`.
+        tank: Tank in which it is done.
+        line: Command, in the words of `HELP`.
 
     Raises:
-        ValueError: If it says nothing that can be done.
+        ValueError: If the command cannot be executed.
     """
     words = line.split()
     if not words or words[0] == "help":

@@ -25,37 +25,37 @@ STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Truth:
-    """What is so, at one moment, whatever anyone measures."""
+    """True state at one moment, regardless of any measurement."""
 
     time: float
-    """[s]."""
+    """Time [s]."""
     center_of_mass: Float[np.ndarray, " 3"]
-    """[m]."""
+    """Center of mass [m]."""
     heading: float
     """Mean link angle (6) [rad]."""
     joint_angle: Float[np.ndarray, " n_joints"]
-    """Of all joints of the robot, then of a driven fin; a planar world holds the pitch joints at 0 [rad]."""
+    """Angles of all joints of the robot, then of a driven fin; a planar world holds the pitch joints at 0 [rad]."""
     joint_rate: Float[np.ndarray, " n_joints"]
-    """[rad/s]."""
+    """Rates of the same joints [rad/s]."""
     joint_torque: Float[np.ndarray, " n_joints"]
-    """Of the motors [N m]."""
+    """Torques of the motors [N m]."""
     electrical_work: float
-    """What the servos took from the supply since the beginning [J]."""
+    """Energy that the servos have taken from the supply since the beginning [J]."""
     modules: ModulePoses
-    """Where the modules are."""
+    """Poses of the modules."""
 
 
 class VirtualRobot:
-    """One robot in one water, with its state.
+    """One robot in its water, with its state.
 
     Args:
-        robot: The robot as it is built, with all of its joints.
-        plant: The same robot as something that can be stepped, with servo joints; a planar one drives its yaw joints.
-        start: Where it begins.
-        depth: Below the surface at which a planar world swims [m].
+        robot: Robot as it is built, with all its joints.
+        plant: The same robot as a plant that can be stepped, with servo joints; a planar one drives its yaw joints.
+        start: Where the robot starts.
+        depth: Depth below the surface at which the robot of a planar world swims [m].
 
     Raises:
-        ValueError: If the plant is of another robot, or its joints are no servos of either kind.
+        ValueError: If the plant is of another robot, or its joints are not servos of either kind.
     """
 
     def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
@@ -80,7 +80,7 @@ class VirtualRobot:
         """Take the robot out of the water, straighten it, and put it back at rest at `start`; time and water go on.
 
         Args:
-            start: Where it is put, and how it heads.
+            start: Place and heading at which it is put.
         """
         self._work = self.truth.electrical_work
         self._put(start, self.truth.time)
@@ -95,12 +95,12 @@ class VirtualRobot:
         self.truth = self._truth(log)
 
     def advance(self, references: Float[np.ndarray, " n_joints"], on: Bool[np.ndarray, " n_joints"], dt: float) -> None:
-        """Let `dt` [s] pass.
+        """Advance time by `dt` [s].
 
         Args:
-            references: Where every joint's servo is to go, and a driven fin's [rad].
-            on: Whether its motor is on.
-            dt: [s].
+            references: Where the servo of every joint, and of a driven fin, is to go [rad].
+            on: Whether the motor of each is on.
+            dt: Time step [s].
 
         Raises:
             SimulationFailed: If the body's motion diverges.
@@ -112,7 +112,7 @@ class VirtualRobot:
             del self._log[MOST_SAMPLES:]
 
     def _marched(self, references: Sequence[float], on: Sequence[bool], dt: float) -> tuple[PlantState, series.Log]:
-        """Where it is after `dt` [s], and what was logged."""
+        """Return the state after `dt` [s], and the log."""
         command = Command(gait=STILL, references=tuple(references), enabled=tuple(on))
         state, log, failure = self.plant.march(self._state, command, dt, dt)
         if failure is not None:
@@ -120,10 +120,10 @@ class VirtualRobot:
         return state, log
 
     def trial(self, version: str) -> Trial:
-        """What was so since the robot was put into the water, whatever anyone measured; an hour at most.
+        """Return the true motion since the robot was put into the water, regardless of measurements; at most an hour.
 
         Args:
-            version: Of laticauda.
+            version: Version of laticauda.
         """
         return Trial(
             **vars(series.concatenated(self._log)),
@@ -157,7 +157,7 @@ class VirtualRobot:
         )
 
     def _all_joints(self, log: series.Log, values: np.ndarray, of_fin: str) -> np.ndarray:
-        """The last values of all joints, from those that the plant has, and of a driven fin; the others are held."""
+        """Return the last values of all joints, from those of the plant, and of a driven fin; the others are held."""
         full = np.zeros(len(self.robot.driven_joints))
         full[self.driven] = np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]
         return full

@@ -1,4 +1,4 @@
-"""Folders for rosbag2: an MCAP file with the `metadata.yaml` that the tools of ROS 2 look for beside it."""
+"""Folders for rosbag2: an MCAP file together with the `metadata.yaml` that the tools of ROS 2 expect."""
 
 import json
 import shutil
@@ -11,20 +11,20 @@ from laticauda.logs.recorder import QUALITY
 from laticauda.logs.recording import Recording, open_recording
 from laticauda.trial import Trial
 
-VERSION = 5  # of metadata.yaml: that of ROS 2 Humble, which every later one reads
+VERSION = 5  # version of metadata.yaml: that of ROS 2 Humble, which every later version reads
 METADATA = "metadata.yaml"
 
 
 def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
-    """Make a folder of a trial or a recording that `ros2 bag` and the package `rosbags` open.
+    """Write a trial or a recording to a folder that `ros2 bag` and the package `rosbags` can open.
 
     Args:
-        source: A trial, or an MCAP file of ours: a trial's, or a recording, which is copied as it is.
-        folder: A new one, or an empty one.
+        source: A trial, or an MCAP file written by laticauda: a saved trial, or a recording, which is copied unchanged.
+        folder: A new or empty folder.
 
     Raises:
-        StorageFailed: If the folder holds something, or cannot be written.
-        TrialFileError: If the source is no MCAP file, or is not whole.
+        StorageFailed: If the folder is not empty, or cannot be written.
+        TrialFileError: If the source is not an MCAP file, or is incomplete.
         MissingExtra: If the package `mcap` is not installed.
     """
     place = files.local(folder).absolute()
@@ -43,11 +43,11 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     else:
         files.write(file, lambda new: shutil.copyfile(source, new))
     information = {"rosbag2_bagfile_information": _information(open_recording(file))}
-    files.write(place / METADATA, f"{json.dumps(information, indent=2)}\n")  # YAML, which JSON is
+    files.write(place / METADATA, f"{json.dumps(information, indent=2)}\n")  # JSON is valid YAML
 
 
 def _information(recording: Recording) -> dict[str, object]:
-    """What rosbag2 asks for."""
+    """Return the contents of `metadata.yaml` that rosbag2 requires."""
     topics = [
         {
             "topic_metadata": {

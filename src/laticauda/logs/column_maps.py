@@ -1,4 +1,4 @@
-"""Column maps: what the columns of somebody's log are, as a value and as a small TOML file.
+"""Column maps: the meaning of the columns of an external log, as a value and as a small TOML file.
 
     kind = "columns"
     robot = "mamba-fin"
@@ -11,7 +11,7 @@
     frequency_deg_s = 130
     phase_shift_deg = 40
 
-    [body]                             # what motion capture followed
+    [body]                             # tracked by motion capture
     position = ["tail x", "tail y"]
     length_unit = "mm"
     yaw = "tail yaw"
@@ -21,7 +21,7 @@
     columns = "phi {}"                 # phi 0 is the tail-most joint
     unit = "deg"
 
-They are read strictly: what is unknown, missing or out of range is refused with its key.
+Column maps are read strictly: unknown keys, missing keys and values out of range are rejected, naming the key.
 """
 
 import math
@@ -42,7 +42,7 @@ TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 RATES = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
 TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
 UNITS = {"joint_angle": ANGLES, "joint_angle_ref": ANGLES, "joint_rate": RATES, "joint_torque": TORQUES}
-"""Units of the columns of joints by section; the first is the default."""
+"""Units of the joint columns by section; the first is the default."""
 AXES = ("X", "Y", "Z")
 STRAIGHT = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
@@ -59,21 +59,21 @@ _PLACE = "Names of the columns of its place: x and y, or x, y and z"
 
 @value
 class TimeColumn:
-    """When the rows were taken; without any, the file must say it itself."""
+    """Times of the rows; if neither field is given, the file itself must state them."""
 
     column: str | None = option("Name of the column", default=None)
     unit: Literal["s", "ms", "us"] = option("Its unit", default="s")
     rate: float | None = quantity("Hz", "Rows per second, instead of a column", default=None, gt=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if self.rate is not None and self.column is not None:
             raise BadArgument("rate", f"must not be given beside `column`, got {self.rate}")
 
 
 @value
 class Frame:
-    """Where the world axes of the trial are in those of the file: first turned to them, then moved, then rotated."""
+    """Pose of the trial's world axes in the axes of the file: first aligned, then shifted, then rotated."""
 
     x: Direction = option("Which direction of the file is forward", default="x")
     y: Direction = option("Which one is left", default="y")
@@ -81,14 +81,14 @@ class Frame:
     rotation_deg: float = quantity("deg", "By which angle the result is turned, counter-clockwise", default=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if self.x[-1] == self.y[-1]:
             raise BadArgument("y", f"must be another axis than `x` = {self.x!r}, got {self.y!r}")
 
 
 @value
 class Position:
-    """A place whose columns stand for the center of mass itself, as the mean of many markers does."""
+    """A position whose columns represent the center of mass itself, such as the mean of many markers."""
 
     position: Axes = option(_PLACE)
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
@@ -96,7 +96,7 @@ class Position:
 
 @value
 class Heading:
-    """The heading, where no joint angles are there to make it of."""
+    """The heading, for logs without joint angles to derive it from."""
 
     column: str = option("Name of the column")
     unit: AngleUnit = option(_ANGLE_UNIT, default=None)
@@ -104,7 +104,7 @@ class Heading:
 
 @value
 class Body:
-    """One link that motion capture followed; with the joint angles it gives the whole robot."""
+    """One link tracked by motion capture; together with the joint angles it determines the whole robot."""
 
     name: str | None = option("Of a rigid body in a QTM file, instead of all columns below", default=None)
     position: Axes | None = option(_PLACE, default=None)
@@ -119,7 +119,7 @@ class Body:
     angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if (self.name is None) == (self.position is None):
             raise BadArgument("position", f"must be given, or `name`, and not both; got {self.position}")
         turns = [one for one in (self.yaw, self.quaternion, self.rotation) if one is not None]
@@ -137,7 +137,7 @@ class Ends:
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if "{marker}" not in self.columns or "{axis}" not in self.columns:
             raise BadArgument("columns", f"must hold {{marker}} and {{axis}}, got {self.columns!r}")
 
@@ -153,20 +153,20 @@ class JointColumns:
     sign: float = quantity("", "-1 where the file counts positive what turns the robot right", default=1.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if isinstance(self.columns, str) and "{}" not in self.columns:
             raise BadArgument("columns", f"must be a list of names, or hold {{}} for the number, got {self.columns!r}")
         if self.sign not in (1.0, -1.0):
             raise BadArgument("sign", f"must be 1 or -1, got {self.sign}")
 
     def names(self, n_joints: int) -> list[str]:
-        """The names of the columns, tail first.
+        """Return the names of the columns, tail first.
 
         Args:
-            n_joints: How many joints there are.
+            n_joints: Number of joints.
 
         Raises:
-            ValueError: If there are others than that many names.
+            ValueError: If the number of names differs from this.
         """
         if isinstance(self.columns, str):
             found = [self.columns.replace("{}", str(self.first + i)) for i in range(n_joints)]
@@ -184,7 +184,7 @@ def _voltage(name: str, given: Any) -> str | float | None:
 
 @value
 class Power:
-    """Electrical power, from a meter in the supply."""
+    """Electrical power, from a meter in the supply line."""
 
     column: str | None = option("Column of the power [W], instead of current and voltage", default=None)
     current: str | None = option("Column of the current [A]", default=None)
@@ -192,7 +192,7 @@ class Power:
     idle: float | None = quantity("W", "Drawn at rest, taken off; None: the robot's `idle_power`", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if (self.column is None) == (self.current is None) or (self.current is None) != (self.voltage is None):
             rule = f"must be given, or `current` and `voltage`, and not both; got {self.column!r}"
             raise BadArgument("column", rule)
@@ -206,7 +206,7 @@ def _signals(name: str, given: Any) -> dict[str, str]:
 
 @value
 class ColumnMap:
-    """What the columns of a log are, and which robot it is of."""
+    """The meaning of the columns of a log, and the robot that it belongs to."""
 
     robot: Robot = option("What swam")
     environment: Environment = option("What it was in")
@@ -233,7 +233,7 @@ class ColumnMap:
     signals: Mapping[str, str] = option("Columns kept as is, by name", default_factory=dict[str, str], check=_signals)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         if self.start is not None and self.stop is not None and self.stop <= self.start:
             raise BadArgument("stop", f"must be > `start` = {self.start:g} s, got {self.stop:g}")
         given = [name for name in ("center_of_mass", "body", "ends") if getattr(self, name) is not None]
@@ -255,10 +255,10 @@ def load_column_map(path: str | Path) -> ColumnMap:
     """Load a column map.
 
     Args:
-        path: Of the TOML file; presets and files that it names are found as `load_robot` finds them.
+        path: Path of the TOML file; presets and files that it names are resolved as by `load_robot`.
 
     Raises:
-        TrialFileError: If there is no such file, or anything in it is wrong; the message has the file, the key, the
+        TrialFileError: If there is no such file, or anything in it is wrong; the message gives the file, the key, the
             rule and the value.
     """
     path = Path(path)

@@ -1,6 +1,6 @@
-"""A trial from any file: one that laticauda wrote, or somebody's log with a map of its columns.
+"""Trials from any file: one that laticauda wrote, or an external log with a column map.
 
-From a table to a `Trial` go units, axes, kinematics, gaps, rates and work.
+The conversion from a table to a `Trial` covers units, axes, kinematics, gaps, rates and work.
 """
 
 from importlib.metadata import version
@@ -20,22 +20,22 @@ from laticauda.trial.arrays import Samples, times
 
 
 def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | None = None) -> trial.Trial:
-    """Read a trial from a file that `Trial.save` wrote, or make one of somebody's log.
+    """Read a trial from a file that `Trial.save` wrote, or build one from an external log.
 
-    A log is CSV, TSV, Parquet, .mat, C3D, or what Qualisys Track Manager exports as TSV; what the trial has of it says
-    the how-to "Bring your own measurements".
+    A log is CSV, TSV, Parquet, .mat, C3D, or a TSV export of Qualisys Track Manager; the how-to "Bring your own
+    measurements" explains what the trial takes from it.
 
     Args:
-        path: The file; its ending says what it is.
-        columns: What the columns of a log are: a column map or its TOML file; None for a file that laticauda wrote.
+        path: The file; its extension sets the format.
+        columns: Meaning of the columns of a log: a column map or its TOML file; None for a file that laticauda wrote.
 
     Returns:
-        A trial that `equals` the saved one, bit for bit.
+        A trial; from a file that laticauda wrote, one that `equals` the saved one, bit for bit.
 
     Raises:
-        TrialFileError: If there is no such file, or it is no whole trial; of a log, if a column is missing, time does
-            not increase, values are missing over too long a time, or units cannot be what is said. The message has the
-            file's name and the reason.
+        TrialFileError: If there is no such file, or it is not a complete trial; for a log, if a column is missing, time
+            does not increase, values are missing over too long a time, or the stated units cannot be right. The message
+            gives the file's name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
     path = files.local(path)
@@ -58,14 +58,14 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     """Read a file of columns: CSV, TSV, QTM's TSV, C3D, Parquet, .mat.
 
     Args:
-        path: The file; its ending says what it is, and its first line whether a table is QTM's.
-        separator: Between the cells of a text; found by itself if None.
-        decimal: Point or comma, in a text.
+        path: The file; its extension sets the format, and its first line shows whether a table is QTM's.
+        separator: Separator between the cells of a text file; detected if None.
+        decimal: Decimal separator of a text file, point or comma.
 
     Raises:
-        ValueError: If it makes no sense.
-        OSError: If it cannot be read.
-        MissingExtra: If it needs a package that is not installed.
+        ValueError: If the content is invalid.
+        OSError: If the file cannot be read.
+        MissingExtra: If the format needs a package that is not installed.
     """
     ending = path.suffix.lower()
     if ending == ".c3d":
@@ -88,29 +88,29 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
 
 # ---- measured trials -----------------------------------------------------------------------------------------------
 
-FASTEST = 5.0  # robot lengths per second; what is faster has another unit
-SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
+FASTEST = 5.0  # robot lengths per second; anything faster is in another unit
+SLOWEST_SAMPLING = 1.0  # [s]; anything slower is in another unit
 LARGEST_BEND = np.pi  # [rad]
-ORDER = 3  # of the polynomials whose slopes are rates
+ORDER = 3  # of the polynomials whose slopes are the rates
 
 Columns = Float[np.ndarray, "n_samples n_columns"]
 
 
 def measured_trial(table: tables.Table, given: column_maps.ColumnMap, source: str) -> trial.Trial:
-    """Make a trial of somebody's log.
+    """Build a trial from an external log.
 
-    What was not measured is listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles
-    are taken as they are; their rates are the slopes of cubic fits over `smoothing`. Work is that of the measured
-    torques, electrical work that of the measured power above idle (4).
+    What was not measured is listed in the trial's `not_measured`, and figures that need it raise an error. Positions
+    and angles are used unchanged; their rates are the slopes of cubic fits over `smoothing`. Work is that of the
+    measured torques, electrical work that of the measured power above idle (4).
 
     Args:
         table: The log.
-        given: What its columns are.
-        source: What it is called.
+        given: Meaning of its columns.
+        source: Name of the log.
 
     Raises:
-        ValueError: If a column is missing, time does not increase, values are missing over too long a time, or units
-            cannot be what is said; the message has the column and the value.
+        ValueError: If a column is missing, time does not increase, values are missing over too long a time, or the
+            stated units cannot be right; the message gives the column and the value.
     """
     known: dict[str, Any] = {"robot": given.robot, "gait": given.gait, "environment": given.environment}
     notes = {"model": "measured", "source": source, "smoothing": given.smoothing}
@@ -136,7 +136,7 @@ def measured_trial(table: tables.Table, given: column_maps.ColumnMap, source: st
 
 
 def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n_rows"]]:
-    """Time from the start of the trial [s], and the rows of the file that belong to it."""
+    """Return the time since the start of the trial [s], and the rows of the file that belong to it."""
     n = table.n_rows
     if given.time.column is not None:
         time, name = column_maps.TIMES[given.time.unit] * table[given.time.column], given.time.column
@@ -167,7 +167,7 @@ def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, B
         at = float(kept[np.argmax(np.diff(kept))])
         rule = f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of {longest:.4g} s"
         raise BadArgument(name, f"{rule} after {at:.6g} s; cut it off by `start` and `stop`")
-    # Counted from the start that the user asked for, or from the first row.
+    # Time counts from the start requested by the user, or from the first row.
     return kept - (given.start if given.start is not None else float(kept[0])), rows
 
 
@@ -175,7 +175,7 @@ def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, B
 
 
 def _add_rates(found: dict[str, Any], window: float) -> None:
-    """What else can be made of a trial's arrays: the joint angles that links tell, and rates over a window of time."""
+    """Add what can be derived from a trial's arrays: joint angles from link angles, and rates over a time window."""
     if "link_angle" in found:
         found.setdefault("joint_angle", kinematics.joint_angles(found["link_angle"]))
     rates = {"center_of_mass": "center_of_mass_velocity", "heading": "heading_rate", "joint_angle": "joint_rate"}
@@ -185,7 +185,7 @@ def _add_rates(found: dict[str, Any], window: float) -> None:
 
 
 def _electrical_work(log: Measured) -> Samples:
-    """Electrical work above idle (4) [J]."""
+    """Return the electrical work above idle (4) [J]."""
     given = log.column_map.power
     assert given is not None
     if given.column is not None:
@@ -199,15 +199,15 @@ def _electrical_work(log: Measured) -> Samples:
 
 
 def rate(time: Samples, signal: Float[np.ndarray, "n ..."], window: float) -> Float[np.ndarray, "n ..."]:
-    """The slope of a signal: of the cubic polynomial that fits it best over a window around each moment.
+    """Compute the slope of a signal: that of the cubic polynomial fitted over a window around each moment.
 
-    A Savitzky-Golay filter, exact for cubic polynomials also at both ends, where the window is one-sided. It damps what
-    is faster than about 1 / window. Samples that are not evenly spaced are first interpolated onto ones that are.
+    This is a Savitzky-Golay filter, exact for cubic polynomials even at both ends, where the window is one-sided. It
+    damps what is faster than about 1 / window. Unevenly spaced samples are first interpolated onto an even grid.
 
     Args:
-        time: Of the samples [s], strictly increasing.
+        time: Times of the samples [s], strictly increasing.
         signal: Values at the samples.
-        window: Length of the window [s]; at least five samples are taken, or all there are.
+        window: Length of the window [s]; it covers at least five samples, or all of them if there are fewer.
 
     Source:
         Savitzky and Golay, Analytical Chemistry 36 (1964) 1627.
@@ -228,12 +228,12 @@ def rate(time: Samples, signal: Float[np.ndarray, "n ..."], window: float) -> Fl
 
 
 def interpolated(at: Float[np.ndarray, "*at"], time: Samples, values: Columns) -> Float[np.ndarray, "*at n_columns"]:
-    """Straight lines between what is known, column by column; a column of which nothing is known stays nan.
+    """Interpolate linearly between known values, column by column; a column without known values stays nan.
 
     Args:
-        at: When [s].
-        time: Of the samples, growing [s].
-        values: Theirs; nan where one is not known.
+        at: Times at which values are wanted [s].
+        time: Times of the samples, increasing [s].
+        values: Values at the samples; nan where unknown.
     """
     found = np.full((*at.shape, values.shape[1]), np.nan)
     for i, column in enumerate(values.T):
@@ -244,22 +244,22 @@ def interpolated(at: Float[np.ndarray, "*at"], time: Samples, values: Columns) -
 
 
 def _slopes(values: Columns, width: int) -> Columns:
-    """Slopes per sample, with windows of `width` samples."""
+    """Compute the slopes per sample, with windows of `width` samples."""
     before, order = width // 2, min(ORDER, width - 1)
     at = np.arange(width) - 0.5 * (width - 1)
     fit = np.linalg.pinv(np.vander(at, order + 1, increasing=True))  # values -> coefficients
     powers = np.arange(1, order + 1)
-    weights = (powers * at[:, np.newaxis] ** (powers - 1)) @ fit[1:]  # of values in a window, for each place in it
+    weights = (powers * at[:, np.newaxis] ** (powers - 1)) @ fit[1:]  # of the values in a window, for each place in it
     windows = np.lib.stride_tricks.sliding_window_view(values, width, axis=0)
     begin, end = weights[:before] @ values[:width], weights[before + 1 :] @ values[-width:]
     return np.concatenate((begin, windows @ weights[before], end))
 
 
-# ---- checks and words ----------------------------------------------------------------------------------------------
+# ---- checks and texts ----------------------------------------------------------------------------------------------
 
 
 def _check_plausible(arrays: dict[str, Any], chain: robot.Robot) -> None:
-    """Refuse what only another unit explains."""
+    """Reject values that only a wrong unit can explain."""
     speed = float(np.median(np.linalg.norm(arrays["center_of_mass_velocity"], axis=1)))
     if speed > FASTEST * chain.length:
         raise ValueError(
@@ -284,7 +284,7 @@ def _status(log: Measured) -> str:
 
 
 def _own_table(table: tables.Table, known: scenarios.Experiment) -> trial.Trial:
-    """The trial whose CSV file laticauda wrote: every number as it is, with the robot and gait of the map."""
+    """Read a CSV file that laticauda wrote: every number unchanged, with robot and gait from the map."""
     plain = {name.split(" [")[0]: values for name, values in table.columns.items() if not isinstance(values, str)}
     if "center_of_mass_x" not in plain:
         raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")

@@ -1,8 +1,8 @@
-"""Trials as MCAP files: what ROS tools can draw, and everything else of the trial, so that it loads back equal.
+"""Trials as MCAP files: data that ROS tools can draw, plus everything else in the trial, so that it loads back equal.
 
-The angles, rates and torques of the joints are in the messages of /joint_states, what they were asked for in those of
-/joint_reference; every other time series has a topic of its own under /trial. No number is stored twice, but where the
-center of mass and the links are is added as poses and transforms for viewers, and the robot's URDF.
+Angles, rates and torques of the joints are in the messages of /joint_states, commanded angles in those of
+/joint_reference; every other time series has its own topic under /trial. No number is stored twice, except that the
+positions of center of mass and links are added as poses and transforms for viewers, along with the robot's URDF.
 """
 
 import json
@@ -30,14 +30,14 @@ OF_JOINTS = {
     "joint_torque": (JOINTS, "effort"),
     "joint_angle_ref": (REFERENCE, "position"),
 }
-"""Time series that are in the messages of joints: topic and field."""
+"""Time series stored in joint messages: topic and field."""
 
 
 class McapFile(Format):
     """ROS 2 messages for Foxglove, the ros2 bag tools and `load_trial`.
 
-    Time 0 of the trial is when it was made, by the clock on the wall: an operated run says when it began. The topic
-    /trial/time has the trial's own time.
+    Time 0 of the trial is its wall-clock creation time; for an operated run, the recorded start. The topic /trial/time
+    has the trial's own time.
     """
 
     called: ClassVar[str] = "mcap"
@@ -50,11 +50,11 @@ class McapFile(Format):
             with Recorder(path, chunk_seconds=10.0, overwrite=True, epoch=epoch(dataset.attrs)) as recorder:
                 _record(dataset, recorder)
         except StorageFailed as error:
-            raise error.__cause__ or error from None  # whoever chose the name of the file says it
+            raise error.__cause__ or error from None  # the caller that chose the file name reports it
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
-        """The trial in an MCAP file; see `Format.read`."""
+        """Read the trial in an MCAP file; see `Format.read`."""
         recording = open_recording(path)
         if METADATA not in recording.metadata:
             raise ValueError("it is a recording, but no trial of laticauda.")
@@ -96,7 +96,7 @@ def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
 
 
 def _series(message: Logged) -> list[tuple[str, Any]]:
-    """What one message has of which time series."""
+    """Return the time series found in one message, as names and values."""
     if message.topic.startswith(PREFIX):
         data = message.content["data"]
         if message.kind == "std_msgs/Float64MultiArray":
@@ -106,14 +106,14 @@ def _series(message: Logged) -> list[tuple[str, Any]]:
 
 
 def _robot(trial: Trial) -> tuple[str, Any, Any]:
-    """Where the center of mass is, and turned by the heading."""
+    """Return the frame at the center of mass, rotated by the heading."""
     places = np.zeros((trial.time.size, 3))
     places[:, : trial.center_of_mass.shape[1]] = trial.center_of_mass
     return WORLD, places, _upright(trial.heading)
 
 
 def _links(trial: Trial, bodies: Any) -> dict[str, tuple[str, Any, Any]]:
-    """Where the links are, as far as anybody measured them."""
+    """Return the frames of the links, if they were measured."""
     if {"link_angle", "joint_angle"} & {*trial.not_measured}:
         return {}
     turns = _upright(trial.link_angle[:, 0])
@@ -123,6 +123,6 @@ def _links(trial: Trial, bodies: Any) -> dict[str, tuple[str, Any, Any]]:
 
 
 def _upright(angle: Any) -> Any:
-    """The orientation that a turn about the vertical gives, as quaternions."""
+    """Return the orientation given by a rotation about the vertical, as quaternions."""
     level = np.zeros_like(angle)
     return np.stack((np.cos(0.5 * angle), level, level, np.sin(0.5 * angle)), axis=1)

@@ -1,4 +1,4 @@
-"""Where a robot was and how it was bent, from the columns of somebody's log: units, axes, kinematics, gaps."""
+"""Position and shape of a robot from the columns of an external log: units, axes, kinematics, gaps."""
 
 import dataclasses
 import math
@@ -21,27 +21,27 @@ Places = dict[str, Float[np.ndarray, "n_samples ..."]]
 
 @dataclass
 class Measured:
-    """The part of a table that is the trial, and what had to be filled in."""
+    """The part of a table that forms the trial, and a record of what had to be filled in."""
 
     table: Table
     """The whole file."""
     column_map: ColumnMap
-    """What its columns are."""
+    """Meaning of its columns."""
     rows: Bool[np.ndarray, " n_rows"]
-    """Which of its rows belong to the trial."""
+    """Rows of the table that belong to the trial."""
     time: Samples
-    """From the start of the trial [s]."""
+    """Time since the start of the trial [s]."""
     lost: Bool[np.ndarray, " n_samples"]
-    """Which samples had a gap anywhere."""
+    """Samples that had a gap in any quantity."""
     filled_columns: list[str] = field(default_factory=list[str])
-    """What had one."""
+    """Names of the quantities that had a gap."""
 
     def raw(self, name: str) -> Samples:
-        """The column `name` as it is in the file, with its gaps."""
+        """Return the column `name` as it is in the file, including its gaps."""
         return self.table[name][self.rows]
 
     def whole(self, name: str, values: Samples) -> Samples:
-        """The `values` of the quantity `name` without gaps."""
+        """Return the `values` of the quantity `name` with gaps filled."""
         found, lost = filled(name, self.time + (self.column_map.start or 0.0), values, self.column_map.longest_gap)
         if np.any(lost):
             self.filled_columns.append(name)
@@ -49,11 +49,11 @@ class Measured:
         return found
 
     def lengths(self, names: Any, unit: str | None) -> Float[np.ndarray, "n_samples n_columns"]:
-        """The columns `names` of lengths [m], with their gaps; `unit` if the map says it."""
+        """Return the columns `names` as lengths [m], including gaps; `unit` if the map states it."""
         return np.stack([LENGTHS[self._unit(name, unit, LENGTHS)] * self.raw(name) for name in names], axis=1)
 
     def angle(self, name: str, unit: str | None) -> Samples:
-        """The column `name` of angles [rad], with its gaps; `unit` if the map says it."""
+        """Return the column `name` as angles [rad], including gaps; `unit` if the map states it."""
         return ANGLES[self._unit(name, unit, ANGLES)] * self.raw(name)
 
     def _unit(self, name: str, asked: str | None, units: dict[str, float]) -> str:
@@ -64,14 +64,14 @@ class Measured:
 
 
 def place_of(log: Measured, chain: robot.Robot) -> Places:
-    """Where the robot was, as far as it is known, by whichever section of the map says it.
+    """Return the position and orientation of the robot, as far as known, from the section of the map that defines them.
 
     Args:
         log: The log.
         chain: The planar robot.
 
     Returns:
-        `center_of_mass`, `heading` and `link_angle`, as a trial has them.
+        `center_of_mass`, `heading` and `link_angle`, as in a trial.
 
     Raises:
         ValueError: If a column is missing, has a long gap, or the map does not fit the robot.
@@ -107,7 +107,7 @@ def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Places:
 
 
 def _of_qtm(table: Table, body: Body) -> Body:
-    """All columns of a rigid body that is given by its name."""
+    """Return a rigid body that is given by name with all of its columns."""
     position = [f"{body.name} {axis}" for axis in AXES]
     rotation = [f"{body.name} Rot[{i}]" for i in range(9)]
     if all(name in table.columns for name in rotation):
@@ -124,13 +124,13 @@ def _from_ends(log: Measured, chain: robot.Robot) -> Places:
     place: list[Points] = []
     for marker in ends.markers:
         names = [ends.columns.format(marker=marker, axis=axis) for axis in AXES]
-        # Without a Z, the markers are in the plane.
+        # Without a Z column, the markers are in the plane.
         place.append(_plane(log, [name for name in names if name in log.table.columns] or names, ends.length_unit))
     links = np.diff(np.stack(place, axis=1), axis=1)
     link_angle: Angles = np.unwrap(np.arctan2(links[..., 1], links[..., 0]), axis=0)
-    # Which turn a link began in is not seen: within half a turn of its neighbor.
+    # The initial turn of a link is not observable: assume that it is within half a turn of its neighbor.
     link_angle = link_angle + (np.unwrap(link_angle[0]) - link_angle[0])
-    # Every marker says where the center of mass is; the middle of the links' middles has the least noise.
+    # Every link yields the center of mass; averaging over the links' midpoints gives the least noise.
     middles = 0.5 * (np.stack(place[1:], axis=1) + np.stack(place[:-1], axis=1))
     centers = [kinematics.center_of_mass(chain, middles[:, i], link_angle, link=i) for i in range(chain.n_links)]
     center = np.mean(centers, axis=0)
@@ -138,9 +138,9 @@ def _from_ends(log: Measured, chain: robot.Robot) -> Places:
 
 
 def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:
-    """The direction toward the head in the axes of the file."""
+    """Return the direction toward the head in the axes of the file."""
     sign, axis = -1.0 if body.forward.startswith("-") else 1.0, "xyz".index(body.forward[-1])
-    if body.rotation is not None:  # columns of the matrix are the body's axes
+    if body.rotation is not None:  # the columns of the matrix are the body's axes
         return sign * np.stack([log.raw(name) for name in body.rotation[3 * axis : 3 * axis + 3]], axis=1)
     if body.quaternion is not None:
         return sign * kinematics.from_quaternion(*map(log.raw, body.quaternion))[:, axis].T
@@ -153,7 +153,7 @@ def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:
 
 
 def _axes(frame: Frame) -> Float[np.ndarray, "2 3"]:
-    """The trial's x and y in the axes of the file, as rows."""
+    """Return the trial's x and y axes in the axes of the file, as rows."""
     rows = np.zeros((2, 3))
     for row, name in enumerate((frame.x, frame.y)):
         rows[row, "xyz".index(name[-1])] = -1.0 if name.startswith("-") else 1.0
@@ -165,7 +165,7 @@ def _turn(frame: Frame) -> Float[np.ndarray, "2 2"]:
 
 
 def _plane(log: Measured, names: Any, unit: str | None) -> Points:
-    """A place in the trial's axes [m], without gaps."""
+    """Return a position in the trial's axes [m], without gaps."""
     place, frame = log.lengths(names, unit), log.column_map.frame
     axes = _axes(frame)
     place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
@@ -177,7 +177,7 @@ def _plane(log: Measured, names: Any, unit: str | None) -> Points:
 
 
 def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3"]) -> Samples:
-    """The angle of a direction to the trial's x axis [rad], unwrapped, without gaps."""
+    """Return the angle of a direction from the trial's x axis [rad], unwrapped, without gaps."""
     frame = log.column_map.frame
     ours = forward @ _axes(frame).T @ _turn(frame).T
     known = np.all(np.isfinite(ours), axis=1)
@@ -189,15 +189,15 @@ def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3
 
 
 def joints_of(log: Measured, section: str, chain: robot.Robot) -> Angles:
-    """What one section has of every joint, in SI units, without gaps.
+    """Return the values that one section defines for every joint, in SI units, without gaps.
 
     Args:
         log: The log.
-        section: As in the map, one of `UNITS`.
+        section: Section of the map, one of `UNITS`.
         chain: The planar robot.
 
     Raises:
-        ValueError: If a column is missing or has a long gap, or there are not as many as joints.
+        ValueError: If a column is missing or has a long gap, or the number of columns is not the number of joints.
     """
     given = getattr(log.column_map, section)
     factor = given.sign * UNITS[section][given.unit or next(iter(UNITS[section]))]
@@ -212,19 +212,19 @@ def joints_of(log: Measured, section: str, chain: robot.Robot) -> Angles:
 def filled(
     name: str, time: Samples, signal: Float[np.ndarray, " n_samples"], longest: float
 ) -> tuple[Samples, Bool[np.ndarray, " n_samples"]]:
-    """A signal without gaps: straight lines where values are missing.
+    """Fill the gaps of a signal by linear interpolation.
 
     Args:
-        name: What the signal is called, for the message.
-        time: Of the samples [s].
-        signal: Values; nan where there is none.
-        longest: Time over which values may be missing [s].
+        name: Name of the signal, for the error message.
+        time: Times of the samples [s].
+        signal: Values; nan where missing.
+        longest: Longest time over which values may be missing [s].
 
     Returns:
         The values, and which of them were missing.
 
     Raises:
-        ValueError: If values are missing over a longer time, or at an end.
+        ValueError: If values are missing over a longer time, or at either end.
     """
     lost = ~np.isfinite(signal)
     if not np.any(lost):

@@ -1,8 +1,8 @@
-"""Records what happens to an MCAP file that survives that its program is killed.
+"""Recorder of messages to an MCAP file that stays readable when its program is killed.
 
 Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
-refuse files of mixed encodings, so even what has no ROS type of its own travels as one: an event as the log message of
-ROS, with its data as JSON. Units stand in the metadata of each channel, under "unit". `recording` reads it again.
+reject files with mixed encodings, so data without a ROS type of their own use an existing one: an event is a ROS log
+message with its data as JSON. Units are in the metadata of each channel, under "unit". `recording` reads such files.
 """
 
 import json
@@ -20,24 +20,24 @@ from laticauda.logs import ros2
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
 _CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")  # encapsulation; stamp, frame_id ""; identifier, length, data
-CHUNK_BYTES = 1 << 20  # of the messages in a chunk, which then is complete
+CHUNK_BYTES = 1 << 20  # size of the messages at which a chunk is complete
 WORLD = "world"
 """The frame of the world axes."""
 CLOCK = "laticauda_clock"
-"""Metadata: what time 0 is, as `epoch`."""
+"""Metadata record that states the wall-clock time of time 0, as `epoch`."""
 DESCRIPTION, STATIC = "/robot_description", "/tf_static"
 _ONCE = {"history": 1, "depth": 1, "reliability": 1, "durability": 1, "liveliness": 1}
 _NEVER = {key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")}
 _LATCHED = json.dumps([{**_ONCE, **_NEVER, "avoid_ros_namespace_conventions": False}])
 QUALITY = {DESCRIPTION: _LATCHED, STATIC: _LATCHED}
-"""Quality of service that a topic is played with again: who comes late gets the last message of these, too. It is YAML,
-which JSON is, with the numbers of ROS, as every rosbag2 reads them; for all others "", the usual one."""
+"""Quality of service with which a topic is replayed: late subscribers still receive the last message of these. It is
+YAML (JSON is valid YAML) with the numbers of ROS, as every rosbag2 reads them; "", the default, for all others."""
 Frame: TypeAlias = tuple[str, Sequence[float], Sequence[float]]
-"""Name of the parent, position x, y, z in its axes [m], and orientation w, x, y, z [-]."""
+"""Name of the parent frame, position x, y, z in its axes [m], and orientation w, x, y, z [-]."""
 
 
 def need_mcap() -> None:
-    """Refuse where the package is missing.
+    """Check that the package `mcap` is installed.
 
     Raises:
         MissingExtra: If it is not installed.
@@ -46,17 +46,17 @@ def need_mcap() -> None:
 
 
 class Recorder:
-    """Writes messages to an MCAP file while they happen; any thread may.
+    """Writes messages to an MCAP file as they occur, from any thread.
 
-    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
-    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
-    context manager: leaving it, also by an error, completes the file.
+    Messages are collected in chunks; a complete chunk goes to the operating system at once. A program that is killed
+    loses only the open chunk; the file then lacks its end, which `open_recording` tolerates. As a context manager, the
+    recorder completes the file on exit, even after an error.
 
     Args:
         path: The file.
-        chunk_seconds: A chunk is complete after this much time of the messages, or when it holds `CHUNK_BYTES` [s].
-        overwrite: Whether an older file of that name may be replaced.
-        epoch: What time 0 is by the clock on the wall [ns since 1970].
+        chunk_seconds: A chunk is complete after this span of message time, or when it holds `CHUNK_BYTES` [s].
+        overwrite: Whether an existing file of that name may be replaced.
+        epoch: Wall-clock time of time 0 [ns since 1970].
 
     Raises:
         ValueError: If an argument is out of range.
@@ -81,7 +81,7 @@ class Recorder:
         """The file."""
         mode = "wb" if overwrite else "xb"
         self._file: BinaryIO = self._guarded(lambda: self.path.open(mode), "name another place")
-        # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
+        # The writer's own limit is disabled: chunks end here, so that each is passed on as soon as it is complete.
         self._writer = Writer(self._file, chunk_size=1 << 40)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, tuple[int, str]] = {}
@@ -97,15 +97,15 @@ class Recorder:
         """Record any message of a known type.
 
         Args:
-            topic: As "/joint_states"; its messages are all of one type.
-            time: When it happened [s], since `epoch`, and not before 1970.
-            kind: The ROS type, one of `ros2.DEFINITIONS`, as "std_msgs/Float64".
+            topic: Topic, such as "/joint_states"; all of its messages have one type.
+            time: Time of the message [s], since `epoch`, and not before 1970.
+            kind: The ROS type, one of `ros2.DEFINITIONS`, such as "std_msgs/Float64".
             content: Its fields, by name or in the order of the definition.
-            unit: Of its numbers; kept with the first message of the topic.
+            unit: Unit of its numbers; stored with the first message of the topic.
 
         Raises:
             ValueError: If the content does not fit the type, or the topic has another type.
-            StorageFailed: If it cannot be written.
+            StorageFailed: If the file cannot be written.
         """
         self._add(topic, kind, unit, self._moment(time), ros2.encode(kind, content))
 
@@ -121,12 +121,12 @@ class Recorder:
         """Record the state of joints (sensor_msgs/JointState).
 
         Args:
-            topic: Where, as "/joint_states".
-            time: When it happened, since `epoch` [s].
-            names: Of the joints, tail first.
+            topic: Topic, such as "/joint_states".
+            time: Time of the message, since `epoch` [s].
+            names: Names of the joints, tail first.
             position: Their angles [rad].
-            velocity: Their rates [rad/s]; empty if not known.
-            effort: Their torques [N m]; empty if not known.
+            velocity: Their rates [rad/s]; empty if unknown.
+            effort: Their torques [N m]; empty if unknown.
         """
         content = self._header(time, ""), names, position, velocity, effort
         self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
@@ -139,25 +139,25 @@ class Recorder:
         quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
         frame: str = WORLD,
     ) -> None:
-        """Record where something is (geometry_msgs/PoseStamped).
+        """Record the pose of an object (geometry_msgs/PoseStamped).
 
         Args:
-            topic: Where, as "/body".
-            time: When it happened, since `epoch` [s].
+            topic: Topic, such as "/body".
+            time: Time of the message, since `epoch` [s].
             position: x, y, z [m].
-            quaternion: Its orientation w, x, y, z [-].
-            frame: Whose axes these are.
+            quaternion: Orientation w, x, y, z [-].
+            frame: Frame in whose axes they are given.
         """
         content = self._header(time, frame), (position, _scalar_last(quaternion))
         self.message(topic, time, "geometry_msgs/PoseStamped", content, unit="m")
 
     def transforms(self, time: float, frames: Mapping[str, Frame], *, topic: str = "/tf") -> None:
-        """Record where frames are (tf2_msgs/TFMessage).
+        """Record the poses of frames (tf2_msgs/TFMessage).
 
         Args:
-            time: When it happened, since `epoch` [s].
-            frames: By name.
-            topic: Where; `STATIC` for what never moves.
+            time: Time of the message, since `epoch` [s].
+            frames: Frames by name.
+            topic: Topic; `STATIC` for frames that never move.
         """
         transforms = [
             (self._header(time, parent), name, (place, _scalar_last(turn)))
@@ -166,12 +166,12 @@ class Recorder:
         self.message(topic, time, "tf2_msgs/TFMessage", (transforms,), unit="m")
 
     def robot(self, time: float, description: str, fixed: Mapping[str, Frame]) -> None:
-        """Record, once at the start, what viewers draw the robot by.
+        """Record, once at the start, the data that viewers need to draw the robot.
 
         Args:
-            time: When it happened, since `epoch` [s].
-            description: Its URDF.
-            fixed: Frames of links that cannot move against what carries them.
+            time: Time of the message, since `epoch` [s].
+            description: The robot's URDF.
+            fixed: Frames of links that cannot move relative to their parent.
         """
         self.message(DESCRIPTION, time, "std_msgs/String", (description,))
         self.transforms(time, fixed, topic=STATIC)
@@ -180,22 +180,22 @@ class Recorder:
         """Record one number (std_msgs/Float64).
 
         Args:
-            topic: Where, as "/power/electrical".
-            time: When it happened, since `epoch` [s].
+            topic: Topic, such as "/power/electrical".
+            time: Time of the message, since `epoch` [s].
             value: The number.
             unit: Its unit.
         """
         self.message(topic, time, "std_msgs/Float64", (value,), unit=unit)
 
     def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
-        """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
+        """Record an array of numbers of any shape, the last index varying fastest (std_msgs/Float64MultiArray).
 
         Args:
-            topic: Where, as "/link_force".
-            time: When it happened, since `epoch` [s].
-            values: An array of numbers.
+            topic: Topic, such as "/link_force".
+            time: Time of the message, since `epoch` [s].
+            values: The numbers.
             unit: Their unit.
-            labels: Names of its axes.
+            labels: Names of the array's axes.
         """
         import numpy as np
 
@@ -209,9 +209,9 @@ class Recorder:
         """Record a raw frame of a CAN bus (can_msgs/Frame).
 
         Args:
-            topic: Where, as "/can".
-            time: When it happened, since `epoch` [s].
-            identifier: Of the frame.
+            topic: Topic, such as "/can".
+            time: Time of the message, since `epoch` [s].
+            identifier: Identifier of the frame.
             data: Up to 8 bytes.
 
         Raises:
@@ -222,32 +222,32 @@ class Recorder:
         now = self._moment(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
-        # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
+        # The bytes that the codec of can_msgs/Frame writes, in one step: there are thousands of these per second.
         seconds, rest = divmod(now, 1_000_000_000)
         body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data))
         self._add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
-        """Record anything that JSON can hold, as a text (std_msgs/String).
+        """Record anything that JSON can hold, as text (std_msgs/String).
 
         Args:
-            topic: Where, as "/settings".
-            time: When it happened, since `epoch` [s].
+            topic: Topic, such as "/settings".
+            time: Time of the message, since `epoch` [s].
             content: The data.
         """
         self.message(topic, time, "std_msgs/String", (json.dumps(content),), unit="json")
 
     def event(self, time: float, name: str, data: object = None, *, level: str = "info") -> None:
-        """Record an event on /events (rcl_interfaces/Log), and hand on the chunk: what happens last matters most.
+        """Record an event on /events (rcl_interfaces/Log), and write the chunk out: the last events matter most.
 
         Args:
-            time: When [s].
+            time: Time of the event [s].
             name: What happened, in a word or two.
-            data: Anything more that JSON can hold.
+            data: Further data that JSON can hold.
             level: One of `LEVELS`.
 
         Raises:
-            ValueError: If the level is not known, or the data are not for JSON.
+            ValueError: If the level is unknown, or the data cannot be encoded as JSON.
         """
         if level not in LEVELS:
             raise BadArgument("level", f"must be one of {', '.join(LEVELS)}, got {level!r}")
@@ -260,10 +260,10 @@ class Recorder:
         self.flush()
 
     def metadata(self, name: str, content: Mapping[str, str]) -> None:
-        """Write texts that belong to the whole file; they are on disk at once.
+        """Write texts that apply to the whole file; they are written to disk at once.
 
         Args:
-            name: What they are about.
+            name: Name of the record.
             content: The texts by name.
         """
         with self._lock:
@@ -271,12 +271,12 @@ class Recorder:
             self._guarded(self._writer.flush)
 
     def flush(self) -> None:
-        """Complete the open chunk and hand it to the operating system."""
+        """Complete the open chunk and pass it to the operating system."""
         with self._lock:
             self._end_chunk()
 
     def close(self) -> None:
-        """Complete the file; a second time it does nothing."""
+        """Complete the file; further calls do nothing."""
         with self._lock:
             if self._file.closed:
                 return
@@ -295,15 +295,15 @@ class Recorder:
         """Write a message.
 
         Args:
-            topic: Its messages are all of one type.
+            topic: Topic; all of its messages have one type.
             kind: The ROS type.
-            unit: Of its numbers; kept with the first message of the topic.
-            now: When it happened [ns].
-            data: In CDR.
+            unit: Unit of its numbers; stored with the first message of the topic.
+            now: Time of the message [ns].
+            data: The message in CDR.
 
         Raises:
             ValueError: If the topic has another type, or no name.
-            StorageFailed: If it cannot be written.
+            StorageFailed: If the file cannot be written.
         """
         with self._lock:
             channel = self._channel(topic, kind, unit)
@@ -314,7 +314,7 @@ class Recorder:
             self._sequence += 1
             self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
             self._open_bytes += len(data)
-            # Moments of several sources need not be in order: an older one does not end a chunk.
+            # Times from several sources need not be in order: an older message does not end a chunk.
             if self._open_bytes >= CHUNK_BYTES or now - self._open_since >= self._chunk_ns:
                 self._end_chunk()
 
@@ -329,7 +329,7 @@ class Recorder:
         if kind not in self._schemas:
             text = ros2.schema_text(kind).encode()
             self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
-        # The profile asks for the quality of service, and may have it empty.
+        # The profile requires the quality of service, which may be empty.
         metadata = {"offered_qos_profiles": QUALITY.get(topic, ""), "unit": unit}
         number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
         self._channels[topic] = number, kind
@@ -340,7 +340,7 @@ class Recorder:
         self._open_since, self._open_bytes = None, 0
 
     def _moment(self, time: float) -> int:
-        """When something was recorded, as the file and ROS count time [ns]; raises ValueError before 1970."""
+        """Convert a time to that of the file and of ROS [ns]; raises ValueError before 1970."""
         now = self._epoch + round(finite("time", time, "s") * 1e9)
         if now < 0:
             raise BadArgument("time", f"must be >= {-1e-9 * self._epoch or 0.0:g} s, got {time}")

@@ -1,4 +1,4 @@
-"""Reading MCAP files, of any writer: also those that were never completed, because the program was killed."""
+"""Reading of MCAP files of any writer, including files that were never completed because the program was killed."""
 
 import io
 import json
@@ -24,13 +24,13 @@ class Logged(NamedTuple):
     """One message of a recording."""
 
     topic: str
-    """Where it was published."""
+    """Topic on which it was published."""
     time: float
-    """When [s], rounded from the file's nanoseconds: since `Recording.epoch`."""
+    """Time since `Recording.epoch` [s], rounded from the file's nanoseconds."""
     kind: str
-    """Its type, as "sensor_msgs/JointState"."""
+    """Message type, such as "sensor_msgs/JointState"."""
     content: Any
-    """Its fields by name; bytes if it is neither CDR with a ROS 2 definition nor JSON."""
+    """Fields by name; bytes if the message is neither CDR with a ROS 2 definition nor JSON."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +42,11 @@ class Topic:
     unit: str
     """Unit of their numbers, "" if not stated."""
     n_messages: int
-    """How many complete ones there are."""
+    """Number of complete messages."""
 
 
 class Recording:
-    """What is in an MCAP file, also one that was never completed; made by `open_recording`, which says more.
+    """Contents of an MCAP file, even one that was never completed; created by `open_recording`, see there for details.
 
     Args:
         path: The file.
@@ -55,7 +55,7 @@ class Recording:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.metadata: dict[str, Mapping[str, str]] = {}
-        """Texts that belong to the whole file, by name."""
+        """Texts that apply to the whole file, by name."""
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._decoders: dict[int, Callable[[bytes], Any]] = {}
@@ -68,24 +68,24 @@ class Recording:
             one.topic: Topic(kind=self._kind(one), unit=one.metadata.get("unit", ""), n_messages=counts[one.topic])
             for one in self._channels.values()
         }
-        """By name."""
+        """Topics by name."""
         self.start, self.stop = ((one - self.epoch) / 1e9 if counts else 0.0 for one in times)
-        """Times of the earliest and the latest message [s], 0 if there is none."""
+        """Times of the earliest and the latest message [s], 0 if there are no messages."""
         self.lost = f"{path.name} is not whole: {'; '.join(lost)}." if lost else ""
-        """What is missing from the file or damaged in it: a sentence; "" if nothing is."""
+        """What is missing from the file or damaged in it, as a sentence; "" if nothing is."""
 
     @property
     def epoch(self) -> int:
-        """What its time 0 is by the clock on the wall [ns since 1970]; 0 where it does not say."""
+        """Wall-clock time of the file's time 0 [ns since 1970]; 0 if the file does not state it."""
         return int(self.metadata.get(recorder.CLOCK, {}).get("epoch", "0"))
 
     def messages(self, *topics: str, since: float = -math.inf, begin: int = 0) -> Iterator[Logged]:
-        """The complete messages in the order in which they were recorded.
+        """Yield the complete messages in the order in which they were recorded.
 
         Args:
-            topics: Which topics; none for all of them.
-            since: Those before are left out [s].
-            begin: Byte of the file behind which they are, as `more` knows it.
+            topics: Topics to include; none for all of them.
+            since: Earlier messages are left out [s].
+            begin: Byte offset in the file after which to start, as tracked by `more`.
 
         Raises:
             TrialFileError: If a message does not fit the definition of its type.
@@ -96,22 +96,22 @@ class Recording:
                 yield Logged(channel.topic, (time - epoch) / 1e9, self._kind(channel), self._decoded(channel, data))
 
     def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
-        """Those that came since this was called last, in a file that is still written; as `messages`.
+        """Yield the messages added since the last call, in a file that is still being written; see `messages`.
 
         Args:
-            topics: Which; none: all.
-            since: Only those that are not older [s].
+            topics: Topics to include; none for all of them.
+            since: Earlier messages are left out [s].
         """
         yield from self.messages(*topics, since=since, begin=self._told)
         self._told = self._end
 
     def _kind(self, channel: "Channel") -> str:
-        """The type of a channel's messages."""
+        """Return the type of a channel's messages."""
         schema = self._schemas.get(channel.schema_id)
         return "" if schema is None else schema.name.replace("/msg/", "/")
 
     def _decoded(self, channel: "Channel", data: bytes) -> Any:
-        """The fields of a message."""
+        """Return the fields of a message."""
         try:
             if channel.id not in self._decoders:
                 self._decoders[channel.id] = self._decoder(channel)
@@ -126,7 +126,7 @@ class Recording:
         return json.loads if channel.message_encoding == "json" else bytes
 
     def _contents(self, lost: list[str], begin: int = 0) -> "Iterator[tuple[Channel, int, bytes]]":
-        """All complete messages behind a byte, with channel and time [ns]; what is lost is said in sentences."""
+        """Yield all complete messages after a byte, with channel and time [ns]; `lost` receives sentences on losses."""
         from mcap import records
 
         size, opcode = self.path.stat().st_size, 0
@@ -139,7 +139,7 @@ class Recording:
                 self._end, found = file.tell(), list[Any]()
                 try:
                     found = _unpacked(opcode, content)
-                except Exception as error:  # whatever the decompressors and the parser raise at bytes without sense
+                except Exception as error:  # decompressors and parser may raise anything for invalid bytes
                     lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
                 for record in found:
                     if isinstance(record, records.Schema):
@@ -155,15 +155,15 @@ class Recording:
 
 
 def open_recording(path: str | Path) -> Recording:
-    """Look through an MCAP file, of any writer: what is in it, and what is lost.
+    """Open an MCAP file of any writer, and find out what is in it and what is lost.
 
-    A file that ends in the middle has all of its complete chunks; a chunk whose checksum is wrong is left out.
+    From a truncated file, all complete chunks are kept; a chunk with a wrong checksum is left out.
 
     Args:
         path: The file.
 
     Raises:
-        TrialFileError: If there is no such file, or it is no MCAP file.
+        TrialFileError: If there is no such file, or it is not an MCAP file.
         MissingExtra: If the package `mcap` is not installed.
     """
     recorder.need_mcap()
@@ -173,13 +173,13 @@ def open_recording(path: str | Path) -> Recording:
 
 @contextmanager
 def failures_of(path: object) -> Generator[None]:
-    """Within it, what goes wrong is said of that file.
+    """Convert errors raised within this context to errors that name the file.
 
     Args:
-        path: What messages call it.
+        path: Name of the file in the messages.
 
     Raises:
-        TrialFileError: With its name and the reason.
+        TrialFileError: With the name and the reason.
     """
     try:
         yield
@@ -189,12 +189,12 @@ def failures_of(path: object) -> Generator[None]:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
-    except (ValueError, TypeError, IndexError, RecursionError) as error:  # what is not as it was written
+    except (ValueError, TypeError, IndexError, RecursionError) as error:  # content differs from what was written
         raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 
 def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
-    """Kind and content of all complete records, from the first to the footer; the file stands behind each."""
+    """Yield kind and content of all complete records, up to the footer; the file is positioned after each record."""
     while len(start := file.read(9)) == 9:
         length = int.from_bytes(start[1:], "little")
         if length > size - file.tell():
@@ -205,7 +205,7 @@ def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
 
 
 def _unpacked(opcode: int, content: bytes) -> list[Any]:
-    """The records in a record: those of a chunk, or the one that it is, as far as they matter here."""
+    """Return the records in a record, as far as they matter here: those of a chunk, or the record itself."""
     from mcap import records
     from mcap.data_stream import ReadDataStream
     from mcap.stream_reader import breakup_chunk

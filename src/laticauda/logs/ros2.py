@@ -1,12 +1,12 @@
-"""ROS 2 messages as bytes and back: CDR, the encoding that every ROS 2 tool reads.
+"""Encoding and decoding of ROS 2 messages in CDR, the encoding that every ROS 2 tool reads.
 
-What logs are made of is written here, from the definitions below: strictly, because the library `mcap-ros2-support`
-fills what is missing with zeros and cuts what is too long, and more slowly, while a robot waits.
-Messages of any writer are read by that library. Little-endian, each number aligned to its own size, as in version 1 of
-the encoding (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
+Log messages are encoded here, from the definitions below, and not by the library `mcap-ros2-support`: it fills missing
+values with zeros, truncates what is too long, and is slower, while a robot waits.
+Messages of any writer are read by that library. The encoding is little-endian with each number aligned to its own
+size, as in version 1 (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
 """
 
-# The library's messages have the fields of their definitions, which no type checker knows.
+# The library's messages have the fields of their definitions, which a type checker cannot know.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import functools
@@ -28,26 +28,26 @@ Content: TypeAlias = Mapping[str, Any] | Sequence[Any]
 
 _FILE = (Path(__file__).parent / "ros2.msg").read_text(encoding="utf-8")
 DEFINITIONS = dict(one.split("\n", 1) for one in _FILE.split("MSG: ")[1:])
-"""The types that logs are made of, as ROS states them: a field a line, types of the same package without it.
+"""The message types used in logs, in ROS syntax: one field per line, types of the same package without its name.
 
-A file carries the whole definition of every type that it uses, so that it can be read where ROS is not installed.
+A file contains the complete definition of every type that it uses, so that it can be read without ROS installed.
 """
 
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian
 FORMATS = {"bool": "?", "byte": "B", "uint8": "B", "int32": "i", "uint32": "I", "float64": "d"}
 NUMBERS = {kind: struct.Struct("<" + form) for kind, form in FORMATS.items()}
-RULE = "=" * 80  # between the definitions in a schema
+RULE = "=" * 80  # separates the definitions in a schema
 
 
 class _Field(NamedTuple):
     name: str
-    kind: str  # with its package, if it is no plain one
-    size: int | None  # None: a single value; 0: any number of them; else so many
+    kind: str  # with its package, unless it is a primitive type
+    size: int | None  # None: a single value; 0: any number of values; otherwise exactly that many
 
 
 @functools.cache
 def _fields(name: str) -> tuple[_Field, ...]:
-    """The fields of one definition; constants are none."""
+    """Return the fields of one definition, without its constants."""
     found: list[_Field] = []
     for line in DEFINITIONS[name].splitlines():
         kind, field = line.split()[:2]
@@ -60,34 +60,34 @@ def _fields(name: str) -> tuple[_Field, ...]:
 
 
 def schema_name(name: str) -> str:
-    """How files call a type: `sensor_msgs/msg/JointState` for `sensor_msgs/JointState`."""
+    """Return the name of a type in files: `sensor_msgs/msg/JointState` for `sensor_msgs/JointState`."""
     package, kind = name.split("/")
     return f"{package}/msg/{kind}"
 
 
 def schema_text(name: str) -> str:
-    """The definition of a type, followed by those of all types in it.
+    """Return the definition of a type, followed by those of all types that it contains.
 
     Args:
-        name: Of the type, one of `DEFINITIONS`.
+        name: Name of the type, one of `DEFINITIONS`.
     """
     found = [name]
-    for one in found:  # which grows
+    for one in found:  # the list grows during the loop
         found += [field.kind for field in _fields(one) if field.kind in DEFINITIONS and field.kind not in found]
     return DEFINITIONS[name] + "".join(f"{RULE}\nMSG: {one}\n{DEFINITIONS[one]}" for one in found[1:])
 
 
 def stamp(nanoseconds: int) -> tuple[int, int]:
-    """A moment as `builtin_interfaces/Time`: seconds and nanoseconds."""
+    """Convert a time to `builtin_interfaces/Time`: seconds and nanoseconds."""
     return divmod(nanoseconds, 10**9)
 
 
 def encode(name: str, message: Content) -> bytes:
-    """The bytes of a message.
+    """Encode a message as bytes.
 
     Args:
-        name: Of its type, one of `DEFINITIONS`.
-        message: Its fields; those of messages in it likewise.
+        name: Name of its type, one of `DEFINITIONS`.
+        message: Its fields; those of nested messages in the same form.
 
     Raises:
         ValueError: If a field is missing or does not fit.
@@ -98,35 +98,35 @@ def encode(name: str, message: Content) -> bytes:
 
 
 def decoder(schema: "Schema") -> Callable[[bytes], Message]:
-    """What makes messages of any writer of bytes; it raises ValueError where they make no sense.
+    """Return a function that decodes messages of any writer; it raises ValueError if the bytes are invalid.
 
-    A message is a dict of its fields; a list of numbers is an array, `uint8` ones are bytes.
+    A message is a dict of its fields; a list of numbers is an array, `uint8` lists are bytes.
 
     Args:
-        schema: The definition in the file, with those of the types in it.
+        schema: The definition in the file, including those of the types that it contains.
 
     Raises:
         MissingExtra: If the package `mcap-ros2-support` is not installed.
-        ValueError: If the definition makes no sense.
+        ValueError: If the definition is invalid.
     """
     package = optional_import("Reading messages of ROS 2", "mcap-ros2-support", "logs", "mcap_ros2.decoder")
     name = schema.name.replace("/msg/", "/")
     try:
         read = package.DecoderFactory().decoder_for("cdr", schema)
-    except Exception as error:  # its parser of definitions raises anything
+    except Exception as error:  # its definition parser may raise any exception
         raise ValueError(f"The definition of {name} makes no sense: {error}.") from error
 
     def decode(data: bytes) -> Message:
         try:
             return _plain(read(data))
-        except Exception as error:  # struct's at the end of the bytes, UnicodeDecodeError, a type it does not define
+        except Exception as error:  # struct's at the end of the bytes, UnicodeDecodeError, or an undefined type
             raise ValueError(f"A message of {name} is damaged: {error}.") from error
 
     return decode
 
 
 def _plain(value: Any) -> Any:
-    """What the library read, as dicts, lists, arrays and plain values."""
+    """Convert what the library read to dicts, lists, arrays and plain values."""
     if isinstance(value, list):
         if value and isinstance(value[0], int | float):
             return np.array(value)
@@ -164,7 +164,7 @@ def _write(body: bytearray, kind: str, value: Any) -> None:
 
 
 def _write_array(body: bytearray, field: _Field, value: Any) -> None:
-    """Write an array, of numbers in one piece."""
+    """Write an array; numbers are written as one block."""
     form = FORMATS.get(field.kind)
     if form is not None:
         value = np.frombuffer(value, "<" + form) if isinstance(value, bytes) else np.asarray(value, "<" + form)
@@ -175,5 +175,5 @@ def _write_array(body: bytearray, field: _Field, value: Any) -> None:
     if form is None:
         for item in value:
             _write(body, field.kind, item)
-    elif len(value):  # without items there is nothing to align
+    elif len(value):  # an empty array needs no alignment
         body += b"\x00" * (-len(body) % value.itemsize) + value.tobytes()

@@ -1,6 +1,6 @@
-"""Tables of somebody's log: columns of numbers by name.
+"""Tables from external logs: columns of numbers by name.
 
-From a text with separators, from what QTM exports, or from C3D files of motion capture (by the package `ezc3d`).
+Sources are delimited text, QTM exports, and C3D files of motion capture (read with the package `ezc3d`).
 """
 
 import csv
@@ -18,11 +18,11 @@ from laticauda.errors import nearest, optional_import
 from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
-"""Cells that stand for a missing number, in small letters."""
+"""Cells that stand for a missing number, in lower case."""
 OF_BODY = ("X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{i}]" for i in range(9)))
 AXES = ("X", "Y", "Z")
 LARGEST = 1e30
-"""A number beyond it is no measurement, in whatever unit: nanoseconds since 1970 are 2e18."""
+"""A number beyond this is not a measurement, whatever its unit: nanoseconds since 1970 are 2e18."""
 UNITS = {"X": "mm", "Y": "mm", "Z": "mm", "Roll": "deg", "Pitch": "deg", "Yaw": "deg", "Residual": "mm"}
 
 
@@ -31,17 +31,17 @@ class Table:
     """Columns of numbers by name, nan where one is missing."""
 
     columns: Mapping[str, Samples | str]
-    """The numbers; of a column that holds something else, a sentence that says so."""
+    """The numbers; for a column that holds anything else, a sentence that says so."""
     units: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Units of columns, where the file states them."""
+    """Units of the columns, if stated in the file."""
     rate: float | None = None
-    """Rows per second, where the file states it [Hz]."""
+    """Rows per second, if stated in the file [Hz]."""
 
     def __getitem__(self, name: str) -> Samples:
-        """The column of that name.
+        """Return the column of that name.
 
         Raises:
-            ValueError: If there is none, or it does not hold numbers, or absurd ones.
+            ValueError: If there is no such column, or it does not hold numbers, or holds absurd ones.
         """
         found = self.columns.get(name)
         if found is None:
@@ -51,25 +51,25 @@ class Table:
             raise ValueError(f"The file has no column `{printed}`{nearest(name, names).rstrip('.')}; it has {shown}.")
         if isinstance(found, str):
             raise ValueError(found)
-        found = np.where(np.isfinite(found), found, np.nan)  # what is infinite was not measured
+        found = np.where(np.isfinite(found), found, np.nan)  # an infinite value was not measured
         if np.any(absurd := np.abs(found) > LARGEST):
             raise ValueError(f"Column `{name}` must hold numbers up to {LARGEST:g}, got {found[absurd][0]:g}.")
         return found
 
     @property
     def n_rows(self) -> int:
-        """How many rows there are."""
+        """Number of rows."""
         return next((len(one) for one in self.columns.values() if not isinstance(one, str)), 0)
 
 
 def numbers(name: str, cells: Sequence[str], first_row: int, decimal: str = ".") -> Samples | str:
-    """A column of cells as numbers, or the sentence that says which cell is none.
+    """Convert a column of cells to numbers; otherwise return a sentence that states which cell is not a number.
 
     Args:
-        name: Of the column.
-        cells: Their texts.
-        first_row: Number of the row of the first cell, in the file.
-        decimal: Point or comma.
+        name: Name of the column.
+        cells: Texts of the cells.
+        first_row: Row number of the first cell in the file.
+        decimal: Decimal separator, point or comma.
     """
     found = np.empty(len(cells))
     for i, cell in enumerate(cells):
@@ -85,15 +85,15 @@ def numbers(name: str, cells: Sequence[str], first_row: int, decimal: str = ".")
 
 
 def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Table:
-    """The columns of a text whose first row, comments apart, has their names.
+    """Read the columns of a text whose first row, apart from comments, has their names.
 
     Args:
-        lines: Of the text.
-        separator: Between cells; found by itself if None.
-        decimal: Point or comma.
+        lines: Lines of the text.
+        separator: Separator between cells; detected if None.
+        decimal: Decimal separator, point or comma.
 
     Raises:
-        ValueError: If it makes no sense.
+        ValueError: If the text is not a valid table.
     """
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(rows) < 2:
@@ -126,18 +126,18 @@ def _check_header(header: Sequence[str], row: int) -> None:
 
 
 def qtm_table(lines: Sequence[str]) -> Table:
-    """The columns of a TSV file of Qualisys Track Manager: `time`, and those of every marker or body, as `head X`.
+    """Read a TSV file of Qualisys Track Manager: `time`, and the columns of every marker or body, such as `head X`.
 
-    It has trajectories of markers (3D) or of rigid bodies (6D). Above the numbers stand lines of a key and its values,
-    as ``FREQUENCY 100`` and ``BODY_NAMES head tail``; the row of column names and the columns for frame and time may be
-    there or not. Lengths are in mm, angles in deg, and the nine numbers of a rotation go column by column. What was
-    lost is 0 in all numbers of a marker or body, or a word.
+    It holds trajectories of markers (3D) or of rigid bodies (6D). The numbers are preceded by lines with a key and its
+    values, such as ``FREQUENCY 100`` and ``BODY_NAMES head tail``; the row of column names and the columns for frame
+    and time are optional. Lengths are in mm, angles in deg, and the nine numbers of a rotation are in column-major
+    order. Where a marker or body was lost, all of its numbers are 0, or a word.
 
     Args:
-        lines: Of the file.
+        lines: Lines of the file.
 
     Raises:
-        ValueError: If it is not whole, or neither 3D nor 6D.
+        ValueError: If the file is incomplete, or neither 3D nor 6D.
     """
     keys, top = _keys(lines)
     included = keys.get("DATA_INCLUDED", [""])[0]
@@ -145,7 +145,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
         raise ValueError(f"DATA_INCLUDED must be 3D or 6D, got {included!r}.")
     names = keys.get("MARKER_NAMES" if included == "3D" else "BODY_NAMES", [])
     parts = AXES if included == "3D" else OF_BODY
-    # Every line ends with a tab too.
+    # Every line also ends with a tab.
     rows = [line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()]
     header: list[str] = []
     if rows and isinstance(numbers("", rows[0][:1], top), str):
@@ -153,7 +153,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
     leading = _leading(header, len(rows[0]) if rows else 0, len(names) * len(parts))
     wanted = [f"{name} {part}" for name in names for part in parts]
     if header and len(header) - len(leading) != len(wanted):
-        # A choice of columns was exported: the name of a body stands before its first one only.
+        # A selection of columns was exported: the name of a body precedes only its first column.
         wanted = _named(header[len(leading) :], names)
     _check_rows(rows, len(leading) + len(wanted), top, int(float(keys.get("NO_OF_FRAMES", ["-1"])[0])))
     found: dict[str, Samples | str] = {}
@@ -166,7 +166,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
 
 
 def _keys(lines: Sequence[str]) -> tuple[dict[str, list[str]], int]:
-    """The lines above the numbers by key, and how many there are."""
+    """Return the lines above the numbers by key, and their count."""
     found: dict[str, list[str]] = {}
     for number, line in enumerate(lines):
         key, *values = line.rstrip("\r\n").split("\t")
@@ -177,7 +177,7 @@ def _keys(lines: Sequence[str]) -> tuple[dict[str, list[str]], int]:
 
 
 def _leading(header: Sequence[str], width: int, n_wanted: int) -> list[str]:
-    """The columns before those of the markers or bodies."""
+    """Return the columns before those of the markers or bodies."""
     if header:
         return [name.lower() for name in header[:2] if name in ("Frame", "Time")]
     return ["frame", "time"][: max(width - n_wanted, 0)]
@@ -203,7 +203,7 @@ def _check_rows(rows: Sequence[Sequence[str]], width: int, top: int, n_frames: i
 
 
 def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
-    """Make nan of what a marker or body has at the frames where it was lost."""
+    """Set the values of a marker or body to nan in the frames where it was lost."""
     place = [found.get(f"{name} {axis}") for axis in AXES]
     known = [one for one in place if isinstance(one, np.ndarray)]
     if not known:
@@ -215,29 +215,29 @@ def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
 
 
 BLOCK = 512  # bytes
-KEY = 0x50  # the second byte of every such file
-BIG_ENDIAN = 86  # the number of the processors whose numbers begin with the large end
+KEY = 0x50  # the second byte of every C3D file
+BIG_ENDIAN = 86  # identifies processors with big-endian numbers
 
 
 def read_c3d(path: Path) -> Table:
-    """The columns of a C3D file: X, Y and Z of every marker, as `head X`, and the analog channels.
+    """Read the columns of a C3D file: X, Y and Z of every marker, such as `head X`, and the analog channels.
 
-    Analog channels are sampled more often than markers; they are averaged over each frame.
+    Analog channels are sampled more often than markers; their values are averaged over each frame.
 
     Args:
         path: The file.
 
     Raises:
         MissingExtra: If ezc3d is not installed.
-        ValueError: If it is no C3D file, or is damaged.
-        OSError: If it cannot be read.
+        ValueError: If the file is not a C3D file, or is damaged.
+        OSError: If the file cannot be read.
     """
     library = optional_import("Reading C3D", "ezc3d", "logs")
     try:
         n_frames = _check_whole(path)
         content = library.c3d(str(path))
         found = content["data"]["points"].shape[2]
-        if found < n_frames:  # the library takes what is there
+        if found < n_frames:  # the library accepts incomplete files
             raise ValueError(f"it must have {n_frames} frames, got {found}: it is cut off")
         return _table(content["parameters"], content["data"])
     except FileNotFoundError:
@@ -247,12 +247,12 @@ def read_c3d(path: Path) -> Table:
 
 
 def _check_whole(path: Path) -> int:
-    """Refuse what is no C3D file, or is cut off in its parameters, where the library would count for minutes.
+    """Reject a file that is not C3D, or is cut off in its parameters, where the library would count for minutes.
 
     Returns:
-        How many frames the file says it has.
+        Number of frames stated in the file.
     """
-    with path.open("rb") as file:  # what the file system has to say is said here, in its own words
+    with path.open("rb") as file:  # errors of the file system are raised here, with their own messages
         header = file.read(BLOCK)
         if len(header) < BLOCK or header[1] != KEY:
             raise ValueError("it has no header")
@@ -276,7 +276,7 @@ def _table(parameters: Any, data: Any) -> Table:
     columns: dict[str, Samples | str] = {}
     units: dict[str, str] = {}
     for i, label in enumerate(labels):
-        lost = data["meta_points"]["residuals"][0, i] < 0.0  # so the format marks a point that nobody saw
+        lost = data["meta_points"]["residuals"][0, i] < 0.0  # the format's mark for a point that was not seen
         for axis, name in enumerate("XYZ"):
             columns[f"{label} {name}"] = np.where(lost, np.nan, data["points"][axis, i])
             units[f"{label} {name}"] = unit

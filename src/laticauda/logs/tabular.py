@@ -1,8 +1,8 @@
-"""Trials as files that other programs read: flat tables, one column per number, and arrays.
+"""Trials in files that other programs read: flat tables with one column per number, and arrays.
 
-Tables are CSV for a spreadsheet, and Parquet by the package `pyarrow`. A netCDF file opens in any netCDF tool and by
-`xarray.open_dataset`. A checksum covers the whole of it, so a damaged one is refused and not half read; a file that
-another program edited has lost it, and is taken as it is.
+Tables are CSV for spreadsheets, and Parquet, which needs the package `pyarrow`. A netCDF file opens in any netCDF tool
+and with `xarray.open_dataset`. A checksum covers the whole file, so that a damaged file is rejected rather than half
+read; a file edited by another program has lost its checksum, and is accepted as it is.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -35,7 +35,7 @@ KEY = b"laticauda_trial"
 
 
 class CsvFile(trial.Format):
-    """Columns are called as `joint_angle_0 [rad]`; 0 is the tail."""
+    """Columns are named like `joint_angle_0 [rad]`; 0 is the tail."""
 
     called: ClassVar[str] = "csv"
     title: ClassVar[str] = "CSV, time series only"
@@ -48,7 +48,7 @@ class CsvFile(trial.Format):
 
 
 class ParquetFile(trial.Format):
-    """Pandas, Polars and DuckDB read its columns, `load_trial` all of it."""
+    """Pandas, Polars and DuckDB read its columns; `load_trial` reads everything."""
 
     called: ClassVar[str] = "parquet"
     title: ClassVar[str] = "Parquet"
@@ -65,7 +65,7 @@ class ParquetFile(trial.Format):
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
-        """The trial in a Parquet file; see `Format.read`."""
+        """Read the trial in a Parquet file; see `Format.read`."""
         table = _table(path)
         text = (table.schema.metadata or {}).get(KEY)
         if text is None:
@@ -75,15 +75,15 @@ class ParquetFile(trial.Format):
 
 
 def parquet_columns(path: Path) -> dict[str, Samples]:
-    """The columns of numbers in a Parquet file of any writer; what is missing is nan.
+    """Return the numeric columns of a Parquet file of any writer; missing values are nan.
 
     Args:
         path: The file.
 
     Raises:
         MissingExtra: If pyarrow is not installed.
-        ValueError: If it is no Parquet file.
-        OSError: If it cannot be read.
+        ValueError: If the file is not a Parquet file.
+        OSError: If the file cannot be read.
     """
     return _numbers(_table(path))
 
@@ -113,17 +113,17 @@ def _pyarrow() -> Any:
 
 
 def csv_text(columns: Sequence[Column]) -> str:
-    """A CSV file: names with their units in the first line, numbers in all others.
+    """Return the text of a CSV file: names with units in the first line, numbers in all others.
 
     Args:
-        columns: Name, unit and values of each.
+        columns: Name, unit and values of each column.
     """
     heads = [f"{name} [{unit}]" for name, unit, _ in columns]
     return files.csv_text([heads, *np.stack([values for _, _, values in columns], axis=1).tolist()])
 
 
 def flat_columns(dataset: "xarray.Dataset") -> Iterator[Column]:
-    """All time series of a trial as single columns, time first: name, as `joint_angle_0` of the tail, unit, values.
+    """Yield all time series of a trial as single columns, time first: name (tail: `joint_angle_0`), unit and values.
 
     Args:
         dataset: The trial.
@@ -137,14 +137,14 @@ def flat_columns(dataset: "xarray.Dataset") -> Iterator[Column]:
 
 
 def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samples ..."]:
-    """One time series from its columns.
+    """Assemble one time series from its columns.
 
     Args:
         table: Columns by name.
-        name: Of the time series.
+        name: Name of the time series.
 
     Raises:
-        KeyError: If it has no column.
+        KeyError: If the series has no column.
     """
     return _stacked(table, name, variable(name).dimensions[1:])
 
@@ -158,21 +158,21 @@ def _stacked(table: Mapping[str, Samples], name: str, dimensions: tuple[str, ...
             found.append(_stacked(table, f"{name}_{end}", dimensions[1:]))
         except KeyError:
             break
-    if not found and dimensions != ("joint",):  # a robot of one link has no joint
+    if not found and dimensions != ("joint",):  # a robot with one link has no joints
         raise KeyError(name)
     return np.stack(found, axis=1) if found else np.empty((len(table["time"]), 0))
 
 
-# ---- arrays: netCDF, and .mat for MATLAB and GNU Octave (by `scipy.io`) --------------------------------------------
+# ---- arrays: netCDF, and .mat for MATLAB and GNU Octave (with `scipy.io`) ------------------------------------------
 
-# Behind the end of the HDF5 data, where netCDF does not look, stand this and the SHA-256 of all before it. The check
-# comes first, because HDF5 itself may hang on a single wrong bit. Programs that edit a file in place cut this off.
+# This mark and the SHA-256 of everything before it follow the HDF5 data, where netCDF does not look. The check
+# comes first, because HDF5 itself may hang on a single wrong bit. Programs that edit a file in place remove both.
 SEAL = b"\nlaticauda sha256 "
 SEAL_LENGTH = len(SEAL) + 64
 
 
 class NetCdfFile(trial.Format):
-    """The Dataset as it is."""
+    """The Dataset, unchanged."""
 
     called: ClassVar[str] = "nc"
     title: ClassVar[str] = "netCDF"
@@ -181,13 +181,13 @@ class NetCdfFile(trial.Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
         no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
-        # By the conventions CF no text names a dimension, and time is a date.
+        # Under the CF conventions no text variable may share its name with a dimension, and time is a date.
         dataset = dataset.rename_dims(axis="axes")
         zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
         dataset["time"].attrs |= {"standard_name": "time", "units": f"seconds since {str(zero).replace('T', ' ')}"}
         try:
             dataset.to_netcdf(path, engine="netcdf4", encoding=no_fill)
-        except RuntimeError as error:  # netCDF's, with no more of a reason: most likely the disk is full
+        except RuntimeError as error:  # netCDF states no other reason: most likely the disk is full
             raise OSError(f"{error}; is the disk full?") from error
         with path.open("rb+") as sealed:
             total = hashlib.sha256(sealed.read())
@@ -195,11 +195,11 @@ class NetCdfFile(trial.Format):
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
-        """The trial in a file; see `Format.read`."""
+        """Read the trial in a file; see `Format.read`."""
         content = files.read_bytes(path)
         try:
             found = _decoded(_unsealed(content))
-        except (OSError, RuntimeError, AttributeError) as error:  # what netCDF raises at bytes that make no sense
+        except (OSError, RuntimeError, AttributeError) as error:  # raised by netCDF for invalid bytes
             raise ValueError("it is no netCDF file, or it is damaged.") from error
         if MARK not in found.attrs:
             raise ValueError("it is a netCDF file, but no trial of laticauda.")
@@ -207,7 +207,7 @@ class NetCdfFile(trial.Format):
 
 
 def _unsealed(content: bytes) -> bytes:
-    """The content without its seal, if it has one; raises ValueError if the seal is broken."""
+    """Return the content without its seal, if it has one; raises ValueError if the seal is broken."""
     body, seal = content[:-SEAL_LENGTH], content[-SEAL_LENGTH:]
     if not seal.startswith(SEAL):
         return content
@@ -221,7 +221,7 @@ def _decoded(content: bytes) -> "xarray.Dataset":
     import xarray
     from xarray.backends import NetCDF4DataStore
 
-    # From memory: what the file system has to say was said when the bytes were read.
+    # Read from memory: errors of the file system were raised when the bytes were read.
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
         found = xarray.open_dataset(NetCDF4DataStore(file), decode_times=False, mask_and_scale=False).load()
     return found.swap_dims(axes="axis") if "axes" in found.dims else found
@@ -232,10 +232,10 @@ TEXTS = ("scenario", "status")
 
 
 class MatFile(trial.Format):
-    """After ``load run.mat`` there is a variable per time series, time along its rows.
+    """After ``load run.mat`` there is one variable per time series, with time along its rows.
 
-    So ``joint_angle(:, 1)`` is the tail-most joint's, ``units.joint_angle`` its unit; ``scenario`` and ``status`` are
-    texts.
+    For example, ``joint_angle(:, 1)`` is the angle of the tail-most joint and ``units.joint_angle`` its unit;
+    ``scenario`` and ``status`` are texts.
     """
 
     called: ClassVar[str] = "mat"
@@ -247,7 +247,7 @@ class MatFile(trial.Format):
         series = {str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)}
         content: dict[str, Any] = {name: one.values for name, one in series.items()}
         content["units"] = {name: one.attrs["units"] for name, one in series.items()}
-        # Its texts are bytes to Octave: what is not ASCII is escaped, and whole in the text that is read back.
+        # To Octave, texts are bytes: non-ASCII characters are escaped here, and kept in the text that is read back.
         content |= {name: str(dataset.attrs[name]).encode("ascii", "backslashreplace").decode() for name in TEXTS}
         content[TEXT] = json.dumps(dataset.attrs)
         with path.open("wb") as file:
@@ -255,29 +255,29 @@ class MatFile(trial.Format):
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
-        """The trial in a .mat file; see `Format.read`."""
+        """Read the trial in a .mat file; see `Format.read`."""
         content = _content(path)
         if TEXT not in content:
             raise ValueError("it is no trial of laticauda; say what its columns are.")
 
         def read(name: str) -> Any:
             values = content[name]
-            # To MATLAB every array has two axes at least.
+            # In MATLAB every array has at least two axes.
             return values.reshape(-1) if variable(name).dimensions == ("time",) else values
 
         return assembled(read, json.loads(str(content[TEXT].item())))
 
 
 def mat_columns(path: Path) -> dict[str, Samples]:
-    """The columns of numbers in a .mat file of any writer: those of a matrix `a` are called `a_0`, `a_1` and so on.
+    """Return the numeric columns of a .mat file of any writer; those of a matrix `a` are named `a_0`, `a_1` and so on.
 
     Args:
         path: The file.
 
     Raises:
         MissingExtra: If scipy is not installed.
-        ValueError: If it is no .mat file.
-        OSError: If it cannot be read.
+        ValueError: If the file is not a .mat file.
+        OSError: If the file cannot be read.
     """
     found: dict[str, Samples] = {}
     for name, values in _content(path).items():
@@ -290,7 +290,7 @@ def mat_columns(path: Path) -> dict[str, Samples]:
     return found
 
 
-# Bytes that make no sense may crash scipy or keep it for ever, in a process of its own; plain arrays come back.
+# Invalid bytes may crash scipy or make it hang, so it runs in a separate process, which returns plain arrays.
 _PATIENCE = 60.0
 _READER = """
 import io, sys, numpy, scipy.io

@@ -1,4 +1,4 @@
-"""Water for any MuJoCo model: `attach` it, and the model's own steps feel it.
+"""Water for any MuJoCo model: `attach` it, and the model's own steps include its loads.
 
     from laticauda import mujoco_water as water
 
@@ -6,7 +6,7 @@
     handle = water.attach(model)          # or with elements of your own, a surface, a current
     mujoco.mj_step(model, data)           # with drag, exact added mass, buoyancy
 
-It knows no robot of laticauda's. It needs the extra `spatial`.
+Independent of laticauda's robots. Requires the extra `spatial`.
 """
 
 from laticauda.mujoco_water.checks import stable_step as stable_step

@@ -1,7 +1,7 @@
-"""Which models have water, and what it does to them: the one passive callback of the process, compiled.
+"""The one passive callback of the process, compiled: which models have water, and how it acts on them.
 
 It finds a model's table by the mark in the model. All vectors of one tree are taken about the tree's center of mass, in
-world directions, rotation first, as MuJoCo's own `cdof`, `cvel` and `crb` are.
+world directions, rotation first, like MuJoCo's own `cdof`, `cvel` and `crb`.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -30,10 +30,10 @@ from laticauda.mujoco_water.element_loads import element_load
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import field, integers, numbers
 
-# --- The registry: the passive callback that was there before, where a model has its mark, the address of the rows,
-# that of what is said of a mark without a row, and the sensor callback that was there before. A row is a mark and the
-# address of a table; the first holds the number of rows. A mark is a number below 2^52 that stands in the model as a
-# denormal, so that copies of the model have it too; its last bits are the place of its row.
+# --- The registry: the previous passive callback, the offset of the mark in a model, the address of the rows, that of
+# the message for a mark without a row, and the previous sensor callback. A row is a mark and the address of a table;
+# the first holds the number of rows. A mark is an integer below 2^52, stored in the model as a denormal, so that copies
+# of the model have it too; its last bits are the index of its row.
 PLACE_BITS, MARK_BITS = 24, 52
 REGISTRY_SIZE = 5
 registry = np.zeros(REGISTRY_SIZE, dtype=np.int64)
@@ -45,7 +45,7 @@ llvmlite.binding.add_symbol(_SYMBOL, registry.ctypes.data)
 
 @intrinsic
 def registry_address(typingctx):
-    """Where the registry is; the linker fills it in, so that compiled code can be kept on disk."""
+    """Return the address of the registry; the linker fills it in, so that compiled code can be cached on disk."""
     del typingctx
 
     def codegen(context, builder, signature, arguments):
@@ -61,7 +61,7 @@ def registry_address(typingctx):
 
 @kernel
 def velocity_accelerations(T, data, S):
-    """Spatial acceleration of every body if no joint accelerates."""
+    """Compute the spatial acceleration of every body for zero joint accelerations."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
     qvel, cdof_dot = field(data, T[AT.qvel], n_dofs), field(data, T[AT.cdof_dot], 6 * n_dofs)
     parent, first = integers(T[PARENT], n_bodies), integers(T[FIRST_DOF], n_bodies + 1)
@@ -77,7 +77,7 @@ def velocity_accelerations(T, data, S):
 
 @kernel
 def gather(T, data, S):
-    """Forces from the leaves to the root, and onto the degrees of freedom; inertia likewise."""
+    """Sum forces and inertia from the leaves to the root, and apply the forces to the degrees of freedom."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
     parent = integers(T[PARENT], n_bodies)
     for b in range(n_bodies - 1, 0, -1):
@@ -100,7 +100,7 @@ def gather(T, data, S):
 
 @kernel
 def write_inertia(T, model, data, S):
-    """M + A into MuJoCo's matrix, from MuJoCo's composite inertias, so that doing it twice does no harm."""
+    """Write M + A into MuJoCo's matrix, from MuJoCo's composite inertias, so that repeating it does no harm."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
     body, above = integers(T[DOF_BODY], n_dofs), integers(T[DOF_PARENT], n_dofs)
     end, length = integers(T[ROW_END], n_dofs), integers(T[ROW_LENGTH], n_dofs)
@@ -134,7 +134,7 @@ def write_inertia(T, model, data, S):
 
 @kernel
 def add_hold(T, data):
-    """What the joints' drives ask for: inertia on the diagonal, and a force, per degree of freedom."""
+    """Add what the joints' drives require: inertia on the diagonal, and a force, per degree of freedom."""
     n_dofs = T[N_DOFS]
     hold = numbers(T[HOLD], 2 * n_dofs)
     end, passive = integers(T[ROW_END], n_dofs), field(data, T[AT.qfrc_passive], n_dofs)
@@ -146,7 +146,7 @@ def add_hold(T, data):
 
 @kernel
 def collect(T, model, data, S):
-    """Accelerations of all bodies if no joint accelerates, and the loads and inertia of all elements on them."""
+    """Compute all bodies' accelerations for zero joint accelerations, and the loads and inertia of all elements."""
     n_bodies, n = T[N_BODIES], T[N_ELEMENTS]
     law_io = S[SCRATCH * n_bodies :]
     for k in range(6 * n_bodies, SCRATCH * n_bodies):
@@ -160,7 +160,7 @@ def collect(T, model, data, S):
 
 @kernel
 def apply(model, data, table):
-    """All loads of one model's water."""
+    """Apply all loads of one model's water."""
     T = integers(table, TABLE_SIZE)
     native.mark_stack(data)
     S = numbers(native.allocate(data, SCRATCH * T[N_BODIES] + 16), SCRATCH * T[N_BODIES] + 16)
@@ -176,7 +176,7 @@ def apply(model, data, table):
 
 @kernel
 def table_of(model):
-    """Address of a model's table; 0: it has no water. A mark without a table ends the step with an error."""
+    """Return the address of a model's table; 0: no water. A mark without a table ends the step with an error."""
     R = integers(registry_address(), REGISTRY_SIZE)
     mark = native.word_at(model + R[1])
     if not 0 < mark < (1 << MARK_BITS):
@@ -198,11 +198,11 @@ def _passive(model, data):
 
 @cache
 def callback() -> Any:
-    """The passive callback for all models with water: a compiled function of the addresses of model and data."""
+    """Return the passive callback for all models with water: a compiled function of the addresses of model and data."""
     return for_c(types.void(types.int64, types.int64), named_after(sources_digest(__name__), _passive))
 
 
-MOST_GONE = 4096  # so many models' tables are kept when the models are gone or have another water, for their copies
+MOST_GONE = 4096  # number of tables kept, for copies, of models that are gone or have other water
 _LOST = ctypes.create_string_buffer(
     b"this model has lost its water: an MJB file and a copy of a model that is long gone keep its mark alone; attach "
     b"the water again (a pickled model keeps it), or set model.opt.o_margin = 0 for a model without"
@@ -213,13 +213,13 @@ _FLOW_LOST = ctypes.create_string_buffer(
 LOST_FLOW = ctypes.addressof(_FLOW_LOST)
 _lock = Lock()
 _previous: list[Any] = []
-_rows = [np.zeros((64, 2), dtype=np.int64)]  # the last array holds; threads may still read the ones before
-_entries: dict[int, tuple[Any, Any]] = {}  # by mark: the water, and what watches for the end of its model
+_rows = [np.zeros((64, 2), dtype=np.int64)]  # the last array is valid; threads may still read earlier ones
+_entries: dict[int, tuple[Any, Any]] = {}  # by mark: the water, and the finalizer of its model
 _gone: list[int] = []
 
 
 def is_installed() -> bool:
-    """Whether the callback is in place: another package may have put its own there."""
+    """Return whether the callback is installed: another package may have replaced it."""
     return _current_callback() == callback().address
 
 
@@ -228,7 +228,7 @@ def _current_callback() -> int:
 
 
 def install() -> None:
-    """Put the callback in place, in front of one that is there already if that one is compiled too."""
+    """Install the callback, chaining to an existing one if that is compiled too."""
     mujoco = load_mujoco()
     with _lock:
         before = _current_callback()
@@ -245,16 +245,16 @@ def install() -> None:
 
 
 def entry(model: Any) -> Any:
-    """The water whose mark a model has, which may be that of a model that this one is a copy of; None: none."""
+    """Return the water whose mark a model has, possibly that of the model it was copied from; None: no water."""
     return _entries.get(_mark(model), (None, None))[0]
 
 
 def enter(model: Any, water: Any) -> None:
-    """Set the mark of a water in a model; what was entered for this model before is gone.
+    """Set the mark of a water in a model, replacing any previous entry of this model.
 
     Args:
         model: The `mujoco.MjModel`.
-        water: With its `model` and its `table`; it lives as long as its mark holds.
+        water: Water with its `model` and `table`; it lives as long as its mark is valid.
     """
     with _lock:
         _leave(model)
@@ -271,12 +271,12 @@ def enter(model: Any, water: Any) -> None:
         mark = (secrets.randbits(MARK_BITS - PLACE_BITS - 1) + 1) << PLACE_BITS | place
         rows[place] = mark, water.table.ctypes.data
         _entries[mark] = water, weakref.finalize(model, _gone.append, mark)
-    # A margin of less than 1e-307 m is none, should anyone use it; it goes with every copy of the model.
+    # A margin of less than 1e-307 m has no effect, should anyone use it; every copy of the model keeps it.
     model.opt.o_margin = np.int64(mark).view(np.float64)
 
 
 def leave(model: Any) -> None:
-    """Take the mark out of a model; its copies keep theirs."""
+    """Remove the mark from a model; its copies keep theirs."""
     with _lock:
         _leave(model)
     model.opt.o_margin = 0.0

@@ -1,4 +1,4 @@
-"""What water in MuJoCo does not hold for is refused, and what is likely not meant is warned of."""
+"""Checks that reject models for which water in MuJoCo is not valid, and warn of likely mistakes."""
 
 import math
 import warnings
@@ -16,10 +16,10 @@ INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 
 
 def body_of(model: Any, name: str) -> int:
-    """Number of a body by its name, or by its number as a text.
+    """Return the ID of a body from its name, or from its ID as a string.
 
     Raises:
-        ValueError: If there is none, or it is the world.
+        ValueError: If there is no such body, or it is the world.
     """
     mujoco = load_mujoco()
     body = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
@@ -33,27 +33,27 @@ def body_of(model: Any, name: str) -> int:
 
 
 def pose(model: Any, data: Any, element: Element) -> tuple[int, np.ndarray, np.ndarray]:
-    """The body of an element, the place of its middle [m] and its axes, in world axes."""
+    """Return the body of an element, and its center [m] and its axes, in world axes."""
     body = body_of(model, element.body)
     axes = data.xmat[body].reshape(3, 3)
     return body, data.xpos[body] + axes @ element.position, axes @ element.rotation
 
 
 def name_of(model: Any, body: int) -> str:
-    """Name of a body, or its number if it has none."""
+    """Return the name of a body, or its ID if it has none."""
     return f"`{model.body(body).name or body}`"
 
 
 def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
-    """Largest step at which the drag may be treated explicitly, in the model's reference pose.
+    """Return the largest step at which the drag may be treated explicitly, in the model's reference pose.
 
     Args:
-        model: The model that the water is attached to.
-        elements: What the water sees of it.
-        speed: Up to which the elements move, along all axes at once [m/s].
+        model: The model to which the water is attached.
+        elements: Its elements.
+        speed: Maximum speed of the elements, along all axes at once [m/s].
 
     Returns:
-        2 over the largest eigenvalue of (M + A)^-1 D, D the slope of the drag [s]; infinite without drag.
+        2 over the largest eigenvalue of (M + A)^-1 D, with D the slope of the drag [s]; infinite without drag.
     """
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
@@ -73,7 +73,7 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
 
 
 def _slopes(element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Steepest slope of the drag between rest and a speed, along and about the element's axes."""
+    """Return the steepest slope of the drag between rest and a speed, along and about the element's axes."""
     law, near = element.law, 1e-6
 
     def steepest(load: int, top: float, *coefficients: float) -> float:
@@ -91,15 +91,15 @@ def _slopes(element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
-    """Refuse what added mass in the passive callback does not hold for.
+    """Reject a model for which added mass in the passive callback is not valid.
 
     Args:
         model: The `mujoco.MjModel`.
-        heavy: Numbers of the bodies that will have added mass.
-        implicit_drag: Whether the drag's slope will go into the inertia.
+        heavy: IDs of the bodies that will have added mass.
+        implicit_drag: Whether the drag's slope will be added to the inertia.
 
     Raises:
-        ValueError: With the reason.
+        ValueError: If the model is rejected; the message gives the reason.
     """
     mujoco = load_mujoco()
     option, disable, enable = model.opt, mujoco.mjtDisableBit, mujoco.mjtEnableBit
@@ -127,10 +127,10 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
 
 
 def make_room(model: Any) -> None:
-    """Take MuJoCo's own medium away, which would act beside the water, and 4.0.0's Newton solver its sparse Jacobian.
+    """Disable MuJoCo's own medium, which would act in addition, and the sparse Jacobian of 4.0.0's Newton solver.
 
-    That solver's factor of a sparse Hessian can be wrong: accelerations were off by all of their size where constraints
-    join branches of the tree; 4.0.1 is right again.
+    That solver's factorization of a sparse Hessian can be wrong: errors in accelerations were as large as the
+    accelerations where constraints join branches of the tree; 4.0.1 is correct again.
 
     Args:
         model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian` may be changed.
@@ -147,7 +147,7 @@ def make_room(model: Any) -> None:
 
 
 def _dofs_above(model: Any, body: int) -> list[int]:
-    """Degrees of freedom that move a body, from the root on."""
+    """Return the degrees of freedom that move a body, starting at the root."""
     while body and model.body_dofnum[body] == 0:
         body = int(model.body_parentid[body])
     if body == 0:
@@ -161,13 +161,13 @@ def _dofs_above(model: Any, body: int) -> list[int]:
 
 
 def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
-    """Warn of what is likely not meant: nothing floats, nothing is stable, or something turns over.
+    """Warn of likely mistakes: nothing floats, nothing is stable, or something turns over.
 
     Args:
         model: The `mujoco.MjModel`.
-        water: Attached to it.
-        speed: At which the step is checked against the drag [m/s]; None: not at all.
-        fitted: Whether the elements are those of all geoms, whose volume is no sign that something is to float.
+        water: Water attached to it.
+        speed: Speed at which the step is checked against the drag [m/s]; None: no check.
+        fitted: Whether the elements are those of all geoms, whose volume does not imply that anything should float.
     """
     mujoco = load_mujoco()
     bodies = [body_of(model, element.body) for element in water.elements]
@@ -198,9 +198,9 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
 
 
 def metacentric_height(model: Any, root: int, water: Any) -> float:
-    """How far the metacenter of a tree, in its reference pose, is above its center of mass, about the weaker axis [m].
+    """Return the height of a tree's metacenter above its center of mass in its reference pose, for the weaker axis [m].
 
-    A tree that floats is at the draft that carries it; one that is covered has its center of buoyancy for a metacenter.
+    A floating tree is at the draft that carries it; for a submerged one, the metacenter is its center of buoyancy.
     """
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
@@ -218,7 +218,7 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
     reach = float(np.linalg.norm(places, axis=1).max()) + max(math.hypot(*e.half_size) for e in own)
 
     def center(axis: int, angle: float) -> np.ndarray:
-        """Center of buoyancy from that of mass, after a turn about a horizontal axis through that."""
+        """Return the center of buoyancy relative to that of mass, turned about a horizontal axis through the latter."""
         matrix, low, high = np.zeros(9), -reach, reach
         mujoco.mju_quat2Mat(matrix, [math.cos(0.5 * angle), *(math.sin(0.5 * angle) * np.eye(3)[axis])])
         turn = matrix.reshape(3, 3)

@@ -1,14 +1,14 @@
-"""The water's load on one element, and the inertia of the water that it takes along.
+"""Load of the water on one element, and the inertia of the water that moves with it.
 
-Per element with velocity u relative to the water, angular velocity w (both in element axes), spatial acceleration a (at
-rest in the joints: what the velocities alone call for), added mass m and inertia I, in still water:
+For an element with velocity u relative to the water, angular velocity w (both in element axes), spatial acceleration a
+for zero joint accelerations (due to the velocities alone), added mass m and inertia I, in still water:
 
     relative     f = -m (a + w x V)                    tau = -I alpha
     kirchhoff    f = -m (a + w x V) - w x m u          tau = -I alpha - w x I w - u x m u
     classic      f = -m (a + w x (v + V))              tau = -I alpha
 
-In water that accelerates and turns, `fluid.inertia` says what w, a and alpha count against.
-The part that is linear in the joint accelerations is not a force but inertia: it is added to MuJoCo's matrix M.
+In water that accelerates and rotates, `fluid.inertia` defines what w, a and alpha are relative to. The part that is
+linear in the joint accelerations is not a force but inertia: it is added to MuJoCo's matrix M.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -35,10 +35,10 @@ load = compiled(inertia.load)
 
 @kernel
 def element_load(E, o, T, P, S, body, model, data, law_io, step):
-    """Add one element's load and inertia to those of its body in the scratch `S`.
+    """Add one element's load and inertia to those of its body in the scratch array `S`.
 
-    `E` holds the elements' records, this one's from `o` on; `P` is the water's numbers; S is laid out as acceleration,
-    force (6 each) and inertia (21) of every body.
+    `E` holds the elements' records, with this one's starting at `o`; `P` holds the water's parameters; S contains
+    acceleration, force (6 each) and inertia (21) of every body.
     """
     R, place, arm = pose(E, o, T, body, data)
     V, flow, spin, elevation = flow_at(T, P, place, 0.0, model, data, law_io)
@@ -84,7 +84,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
 
 @kernel
 def pose(E, o, T, body, data):
-    """Rotation from element to world axes, place of the middle, and that place from the tree's center of mass."""
+    """Return the rotation from element to world axes, the center, and its offset from the tree's center of mass."""
     n_bodies = T[N_BODIES]
     xpos, xmat = field(data, T[AT.xpos], 3 * n_bodies), field(data, T[AT.xmat], 9 * n_bodies)
     com = three(field(data, T[AT.subtree_com], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
@@ -97,7 +97,7 @@ def pose(E, o, T, body, data):
 
 @kernel
 def motion(T, P, S, R, arm, body, data, V, flow, spin):
-    """In element axes u, w, a (with what their turning adds) and alpha, in water of that velocity, Du/Dt and spin."""
+    """Return u, w, a (with the turning of the axes) and alpha in element axes, given the water's V, Du/Dt and spin."""
     cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w, alpha = three(cvel, 6 * body), three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
@@ -114,16 +114,16 @@ def motion(T, P, S, R, arm, body, data, V, flow, spin):
 
 @kernel
 def flow_at(T, P, place, ahead, model, data, io):
-    """What the water does at a place: velocity, material acceleration, rotation, world axes, and the elevation.
+    """Return the water's velocity, material acceleration and rotation in world axes, and its elevation, at a place.
 
     Args:
         T: The model's table.
-        P: The water's numbers.
-        place: Where, world axes.
-        ahead: Of the time in the data [s].
-        model: Its address, where the velocity stands, or which flow it is.
-        data: The data's.
-        io: Scratch.
+        P: The water's parameters.
+        place: Position, world axes.
+        ahead: Offset from the time in the data [s].
+        model: Address of the model, which holds the velocity or the number of the flow.
+        data: Address of the data.
+        io: Scratch array.
     """
     own = numbers(model + T[IN_MODEL.o_friction], 4)
     number = int(own[3])
@@ -139,7 +139,7 @@ def flow_at(T, P, place, ahead, model, data, io):
 
 @kernel
 def gravity(T, model):
-    """Gravity as the model has it enabled."""
+    """Return the model's gravity, or zero if it is disabled."""
     if flags_at(model + T[IN_MODEL.disableflags]) & T[NO_GRAVITY] != 0:
         return 0.0, 0.0, 0.0
     return three(numbers(model + T[IN_MODEL.gravity], 3), 0)
@@ -147,7 +147,7 @@ def gravity(T, model):
 
 @kernel
 def added_mass(keep, m, i, u, w, a, alpha):
-    """Force and torque of the added mass for joints that do not accelerate; keep: 1 for kirchhoff, else 0."""
+    """Return force and torque of the added mass for zero joint accelerations; keep: 1 for kirchhoff, else 0."""
     momentum = times(m, u)
     turned, twisted = cross(w, momentum), plus(cross(w, times(i, w)), cross(u, momentum))
     return added_load(keep, m, a, turned), added_load(keep, i, alpha, twisted)
@@ -155,16 +155,16 @@ def added_mass(keep, m, i, u, w, a, alpha):
 
 @kernel
 def added_load(keep, m, rate, turned):
-    """The same for all three axes of force or torque."""
+    """Return the added mass's force or torque along all three axes."""
     x, y = load(keep, m[0], rate[0], turned[0]), load(keep, m[1], rate[1], turned[1])
     return x, y, load(keep, m[2], rate[2], turned[2])
 
 
 @kernel
 def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
-    """How fast the share under water grows, 0 while it falls; and 1 if that is over the whole step to come.
+    """Return the growth rate of the submerged share, 0 while it falls; and 1 if it is taken over the whole next step.
 
-    That is so for steps of first order, and for those in which a body comes to move more than half as much again.
+    That is the case for steps of first order, and for those in which the moving mass grows by more than half.
     """
     rate, whole = 0.0, 1.0
     for share in (1.0, 1e-3):
@@ -178,7 +178,7 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
 
 @kernel
 def wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface):
-    """The same over the time ahead, in which body and surface go on as they move."""
+    """Return the growth rate of the submerged share over the time ahead, at constant motion of body and surface."""
     P, place, elevation, model, io = surface
     cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
@@ -190,20 +190,20 @@ def wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface):
 
 @kernel
 def added_share(grown, m, own, wet):
-    """The water that is new over all that moves, `own` the body's mass or inertia."""
+    """Return newly added water over all that moves; `own` is the body's mass or inertia."""
     return grown * m / (own + wet * m + 1e-12)
 
 
 @kernel
 def taken(m, own, u, wet, rate, ahead):
-    """Minus the impulse per time that new water takes; by 1 / (1 + x) of it a step `ahead` keeps the momentum."""
+    """Return minus the momentum per time that new water takes; with 1 / (1 + x) a step `ahead` conserves momentum."""
     x, y, z = added_share(ahead, m[0], own, wet), added_share(ahead, m[1], own, wet), added_share(ahead, m[2], own, wet)
     return -rate * m[0] * u[0] / (1.0 + x), -rate * m[1] * u[1] / (1.0 + y), -rate * m[2] * u[2] / (1.0 + z)
 
 
 @kernel
 def drag(T, E, o, law_io, u, w, wet):
-    """Force and torque by the law: with y across and about z, then with z across and about y, then the roll about x."""
+    """Return force and torque by the law: with y across and about z, with z across and about y, then roll about x."""
     c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
     law, own = integers(T[LAWS], T[N_ELEMENTS])[o // ELEMENT_SIZE], E[o + LAW_NUMBERS :].ctypes.data
     across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
@@ -217,7 +217,7 @@ def drag(T, E, o, law_io, u, w, wet):
 
 @kernel
 def by_law(law, own, law_io, motion, element):
-    """The loads of the law at an address, whose numbers stand at another."""
+    """Return the loads of the law at the address `law`, whose parameters are at the address `own`."""
     for k in range(MOTION):
         law_io[k], law_io[MOTION + k] = motion[k], element[k]
     call_2(law, law_io.ctypes.data, own)
@@ -226,7 +226,7 @@ def by_law(law, own, law_io, motion, element):
 
 @kernel
 def effector(E, o, u):
-    """Thrust, tether, wake and plate, in element axes: what only few elements have."""
+    """Return thrust, tether, wake and plate forces in element axes, which only a few elements have."""
     force = three(E, o + THRUST)
     if E[o + TETHER_DRAG] != 0.0:
         speed = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) ** 0.5
@@ -242,19 +242,19 @@ def effector(E, o, u):
 
 @kernel
 def implicit(load, velocity, step):
-    """Secant slopes -f / v of a drag, which are never negative, times the step: what an implicit step adds."""
+    """Return a drag's secant slopes -f / v, never negative, times the step: what an implicit step adds."""
     return secant(load[0], velocity[0], step), secant(load[1], velocity[1], step), secant(load[2], velocity[2], step)
 
 
 @kernel
 def secant(load, velocity, step):
-    """The same for one axis."""
+    """Return the secant slope times the step along one axis."""
     return -step * load / velocity if abs(velocity) > 1e-12 else 0.0
 
 
 @kernel
 def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
-    """What `Water.forces` shows, world axes."""
+    """Write the loads that `Water.forces` returns, in world axes."""
     out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
     dragged, added, own = to_world(R, dragged), to_world(R, added), plus(to_world(R, own), pull)
     for k in range(3):
@@ -283,7 +283,7 @@ def add_inertia(S, A, R, arm, m, i):
 
 @kernel
 def symmetric(R, d):
-    """Upper half of R diag(d) R^T, row by row."""
+    """Return the upper triangle of R diag(d) R^T, row by row."""
     x, y, z = times(d, three(R, 0)), times(d, three(R, 3)), times(d, three(R, 6))
     return (
         x[0] * R[0] + x[1] * R[1] + x[2] * R[2],

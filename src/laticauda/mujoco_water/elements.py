@@ -1,6 +1,6 @@
-"""A piece of a body as the water sees it: drag, added mass and displaced volume, in axes of its own.
+"""Elements: pieces of a body in water, with drag, added mass and displaced volume in their own axes.
 
-For those who have shapes and no measured coefficients, there are elements that fit the geoms of a model.
+Where there are shapes but no measured coefficients, elements can be fitted to the geoms of a model.
 """
 
 import math
@@ -24,19 +24,19 @@ _NONE: Three = (0.0, 0.0, 0.0)
 
 @value
 class Element:
-    """Loads on one piece of a body. A body may have several; drags that differ in kind are elements on one place.
+    """Loads on one piece of a body. A body may have several; different kinds of drag take several at one place.
 
-    With u the velocity of the element's middle relative to the water and w its angular velocity, per axis of its own
-    and by default, see `law`,
+    With u the velocity of the element's center relative to the water and w its angular velocity, along each of its axes
+    and for the default `law`,
 
         f = -c u |u|        tau = -lambda_3 |w| w
 
-    At a trailing edge Lighthill's force is m'/2 u_y^2 along x and -m' u_x u_y along y. A `plate` is upright, its chord
-    along x, and its numbers are the last five arguments of `laticauda.fluid.laws.plate`. Without a surface `half_size`
-    plays no part.
+    At a trailing edge Lighthill's force is m'/2 u_y^2 along x and -m' u_x u_y along y. A `plate` is upright with its
+    chord along x, and its numbers are the last five arguments of `laticauda.fluid.laws.plate`. Without a surface,
+    `half_size` is not used.
 
     Raises:
-        ValueError: If a field is out of its range.
+        ValueError: If a field is out of range.
     """
 
     body: str = option("Name of the MuJoCo body that it is rigid on; of one without a name its number, '2' say")
@@ -73,11 +73,11 @@ class Element:
 
     @property
     def rotation(self) -> np.ndarray:
-        """From its axes to the body's, (3, 3)."""
+        """Rotation from its axes to the body's, (3, 3)."""
         return from_quaternion(*self.orientation)
 
 
-_ROUND = math.pi / 4.0  # share of a circle in the square around it
+_ROUND = math.pi / 4.0  # area of a circle over that of the square around it
 _HALF_TURN = 0.5**0.5
 
 
@@ -85,7 +85,7 @@ _HALF_TURN = 0.5**0.5
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections.
 
-    Added mass and inertia are a share of those of the ellipsoid that fits (Lamb, 1932, art. 114 and 115).
+    Added mass and inertia are shares of those of the fitted ellipsoid (Lamb, 1932, art. 114 and 115).
     """
 
     drag: Three = quantity("", "C_D along the geom's axes, on the area across", default=(0.2, 1.0, 1.0), ge=0.0)
@@ -95,7 +95,7 @@ class GeomCoefficients:
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Added mass and inertia of an ellipsoid in unbounded water, as shares of what it displaces.
+    """Return added mass and inertia of an ellipsoid in unbounded water, relative to the displaced mass.
 
     Args:
         half_size: Half-axes [m].
@@ -107,7 +107,7 @@ def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         H. Lamb, Hydrodynamics, 6th ed., Cambridge 1932, art. 114 and 115.
     """
     a = np.asarray(half_size, dtype=float)
-    # alpha_i = abc int_0^inf dt / ((a_i^2 + t) Delta), substituted t = s^2 x^2 / (1 - x)^2 for Gauss' rule on (0, 1)
+    # alpha_i = abc int_0^inf dt / ((a_i^2 + t) Delta), with t = s^2 x^2 / (1 - x)^2 for Gauss' rule on (0, 1)
     node, weight = np.polynomial.legendre.leggauss(200)
     x = 0.5 * (node + 1.0)
     scale = float(np.prod(a)) ** (2.0 / 3.0)
@@ -128,16 +128,16 @@ def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
 def geom_element(
     model: Any, geom: str | int, coefficients: GeomCoefficients | None = None, *, density: float = 1000.0
 ) -> Element:
-    """The element that fits a geom: a sphere, capsule, ellipsoid, cylinder, box or mesh.
+    """Return the element that fits a geom: a sphere, capsule, ellipsoid, cylinder, box or mesh.
 
-    A mesh is taken as the ellipsoid of its moments of inertia, with its own volume.
+    A mesh is represented by the ellipsoid with its moments of inertia, and keeps its own volume.
 
     Args:
         model: A `mujoco.MjModel`.
         geom: Its name or number.
-        coefficients: What the water does to it; None: the usual of such a shape, from a handbook of drag, with the
-            drag of its rotation.
-        density: rho [kg/m^3].
+        coefficients: Coefficients of the geom; None: the usual ones of such a shape, from a handbook of drag, including
+            rotational drag.
+        density: Density rho of the water [kg/m^3].
 
     Raises:
         ValueError: If there is no such geom, it has no volume, or it is of another type.
@@ -180,19 +180,19 @@ def geom_element(
 def geom_elements(
     model: Any, coefficients: GeomCoefficients | None = None, *, density: float = 1000.0
 ) -> tuple[Element, ...]:
-    """Elements for all geoms that displace water: what `attach` takes if it is given none.
+    """Return elements for all geoms that displace water: the default of `attach`.
 
-    Left out are geoms of bodies that cannot move; planes and height fields; where a body has geoms that can touch,
-    those that cannot, which are there to be seen; and geoms that lie in larger ones of their body for the greater part,
-    or that have no volume, both with a warning.
+    Excluded are geoms of bodies that cannot move; planes and height fields; if a body has geoms that can collide, those
+    that cannot, as they are visual; and, both with a warning, geoms that lie mostly in larger ones of their body, or
+    that have no volume.
 
     Args:
         model: A `mujoco.MjModel`.
-        coefficients: Of all of them; None: the usual of each shape.
-        density: rho [kg/m^3].
+        coefficients: Coefficients of all geoms; None: the usual ones of each shape.
+        density: Density rho of the water [kg/m^3].
 
     Raises:
-        ValueError: If nothing is left.
+        ValueError: If no geom is left.
     """
     instance("model", getattr(model, "ptr", model), load_mujoco().MjModel)
     found: dict[int, list[tuple[str, Element]]] = {}
@@ -217,7 +217,7 @@ def geom_elements(
 
 
 def _apart(pieces: list[tuple[str, Element]]) -> list[Element]:
-    """Those of one body that do not lie in larger ones; what overlaps is said."""
+    """Return the elements of one body that do not lie in larger ones, with warnings about overlaps."""
     kept: list[tuple[str, Element]] = []
     for name, element in sorted(pieces, key=lambda piece: -piece[1].volume):
         points: np.ndarray = element.position + _filling(element) @ element.rotation.T
@@ -233,7 +233,7 @@ def _apart(pieces: list[tuple[str, Element]]) -> list[Element]:
 
 
 def _filling(element: Element) -> np.ndarray:
-    """Points that fill the element evenly, in its own axes [m]."""
+    """Return points that fill the element evenly, in its own axes [m]."""
     side = (np.arange(12) + 0.5) / 6.0 - 1.0
     points = np.stack(np.meshgrid(side, side, side), axis=-1).reshape(-1, 3) * element.half_size
     own = Element(body="", shape=element.shape, half_size=element.half_size)
@@ -241,7 +241,7 @@ def _filling(element: Element) -> np.ndarray:
 
 
 def _contains(element: Element, points: np.ndarray) -> np.ndarray:
-    """Which points of the body's frame lie in an element."""
+    """Return which points, in the body's frame, lie in an element."""
     x, y, z = (np.abs((points - element.position) @ element.rotation) / element.half_size).T
     if element.shape == "box":
         return (x < 1.0) & (y < 1.0) & (z < 1.0)
@@ -249,7 +249,7 @@ def _contains(element: Element, points: np.ndarray) -> np.ndarray:
 
 
 def _usual(kind: str, half: Three) -> GeomCoefficients:
-    """Drag on shapes that move along an axis; an ellipsoid's from a plate (1.17) over the sphere to a slender body."""
+    """Return the drag of shapes that move along an axis; an ellipsoid's from plate (1.17) to sphere to slender body."""
     slender = [h / math.sqrt(half[(i + 1) % 3] * half[(i + 2) % 3]) for i, h in enumerate(half)]
     x, y, z = (1.17 / (1.0 + 1.5 * f) for f in slender)
     drag = {"box": (1.05, 1.05, 1.05), "cylinder": (0.87, 0.74, 0.74), "capsule": (x, 0.74, 0.74)}
@@ -265,11 +265,11 @@ def _kind(model: Any, number: int) -> str:
 
 
 def _fitted(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray, Quaternion]:
-    """Kind of a geom, its shape, half its size, its share of the box around it, and where its middle and axes are."""
+    """Return a geom's kind, shape, half size, share of its bounding box, and the position and axes of its center."""
     kind = _kind(model, number)
     x, y, z = _three(model.geom_size[number])
     straight = (1.0, 0.0, 0.0, 0.0)
-    along_z = (_HALF_TURN, 0.0, -_HALF_TURN, 0.0)  # MuJoCo's axis of a cylinder is z, ours x
+    along_z = (_HALF_TURN, 0.0, -_HALF_TURN, 0.0)  # MuJoCo's cylinders have their axis along z, ours along x
     ball = math.pi / 6.0
     fitted: dict[str, tuple[Shape, Three, float, Quaternion]] = {
         "sphere": ("ellipsoid", (x, x, x), ball, straight),
@@ -292,7 +292,7 @@ def _fitted(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarr
 
 
 def _mesh(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray, Quaternion]:
-    """The ellipsoid that has the moments of a mesh, which is a sum of tetrahedra from the origin to its faces."""
+    """Fit the ellipsoid with the moments of a mesh, summed over tetrahedra from the origin to its faces."""
     mesh = model.geom_dataid[number]
     vertices, faces = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
     points = model.mesh_vert[vertices : vertices + model.mesh_vertnum[mesh]].astype(float)
@@ -312,7 +312,7 @@ def _mesh(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray
 
 
 def _about(i: int, c: Sequence[float], half: Three, power: int) -> float:
-    """Drags across the other two axes, each spread along the other one, as they act about axis i."""
+    """Return the moment about axis i of the drags along the other two axes, each spread along the other one."""
     j, k = (i + 1) % 3, (i + 2) % 3
     return c[j] * half[k] ** power + c[k] * half[j] ** power
 

@@ -1,13 +1,13 @@
-"""The ground under an element: a normal force by how deep it is in, and anisotropic friction that goes with it.
+"""Ground contact of an element: normal force from penetration depth, and anisotropic friction proportional to it.
 
-MuJoCo's friction has its axes in the contact's frame, which turns with the body only for a capsule on a plane, so not
-on a ramp. Here friction is along and across the element wherever it lies, by `fluid.laws` with the normal force N in
-place of a weight. An element touches with the lowest point of its elliptic section at either end:
+MuJoCo's friction has its axes in the contact frame, which turns with the body only for a capsule on a plane, and hence
+not on a ramp. Here friction acts along and across the element wherever it lies, by `fluid.laws` with the normal force N
+in place of a weight. An element touches the ground at the lowest point of its elliptic section at either end:
 
     N = k d max(0, 1 + beta d')        f = -mu N v / sqrt(v^2 + eps^2), or -mu N v for viscous ground
 
-d is how deep the point is in. One that lies flat with its own weight should sink in by SINK; beta damps its bounce.
-Plain scalar functions, and the load on one element, which the kernels compile from them.
+d is the penetration depth of the point. An element lying flat under its own weight should sink in by SINK; beta damps
+its bounce. Plain scalar functions, and the load on one element, which the kernels compile from them.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -25,62 +25,62 @@ from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
 
 SINK = 1e-3  # [m]
-ROLL = 3.5  # how much faster friction stops the lowest point of a section than its middle: it may roll as well [-]
+ROLL = 3.5  # how much faster friction stops the lowest point of a section than its center, as it may also roll [-]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """How an element touches the ground."""
+    """Ground contact parameters of an element."""
 
     stiffness: float
-    """k at each end [N/m]."""
+    """Stiffness k at each end [N/m]."""
     damping: float
-    """beta [s/m]."""
+    """Damping beta [s/m]."""
     along: float
-    """Friction along the element per normal force: mu_t, or viscous in s/m [-]."""
+    """Friction along the element per normal force: mu_t, or in s/m if viscous [-]."""
     across: float
-    """The same across it [-]."""
+    """Friction across the element per normal force, with the same units as `along` [-]."""
     regularization_speed: float
-    """eps of dry friction; 0: viscous [m/s]."""
+    """Regularization speed eps of dry friction; 0 for viscous friction [m/s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Terrain:
-    """Flat ground that may end in a slope along x, down to a floor, and what stands out of it."""
+    """Flat ground that may end in a slope along x, down to a floor, with optional uneven heights on top."""
 
     height: float = 0.0
-    """Of the flat ground [m]."""
+    """Height of the flat ground [m]."""
     edge: float = 0.0
     """x at which the slope begins [m]."""
     slope: float = 0.0
-    """Tangent of the slope; 0: flat everywhere [-]."""
+    """Tangent of the slope; 0 if flat everywhere [-]."""
     floor: float = 0.0
-    """Height of the floor at the slope's foot [m]."""
+    """Height of the floor at the foot of the slope [m]."""
     grid: np.ndarray | None = None
-    """Heights over all that at nodes, by x and y; bilinear in between, level beyond the edges [m]."""
+    """Additional heights at nodes, by x and y; bilinear in between, level beyond the edges [m]."""
     corner: tuple[float, float] = (0.0, 0.0)
     """x and y of the first node [m]."""
     cell: tuple[float, float] = (1.0, 1.0)
-    """Between two nodes, along x and y [m]."""
+    """Node spacing along x and y [m]."""
 
     @property
     def profile(self) -> tuple[float, float, float, float]:
-        """The arguments of `terrain` behind x."""
+        """Arguments of `terrain` after x."""
         return self.height, self.edge, self.slope, self.floor
 
     @property
     def nodes(self) -> np.ndarray:
-        """The grid as compiled code reads it: corner, cell, numbers of nodes, then their heights; empty without one."""
+        """The grid for compiled code: corner, cell, numbers of nodes, then their heights; empty if there is no grid."""
         if self.grid is None:
             return np.zeros(0)
         return np.array([*self.corner, *self.cell, *self.grid.shape, *self.grid.ravel()])
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Height of the ground at `x`, `y` [m], and the tangents of its fall along both [-].
+        """Return the height of the ground at `x`, `y` [m], and its downward slopes along both [-].
 
         Args:
-            x: In world axes [m].
-            y: In world axes [m].
+            x: World x coordinate [m].
+            y: World y coordinate [m].
         """
         height, fall = terrain(x, *self.profile)
         more = (0.0, 0.0, 0.0) if self.grid is None else uneven(x, y, self.nodes)
@@ -88,7 +88,7 @@ class Terrain:
 
 
 def stable_step(contacts: list[Contact], gravity: float) -> float:
-    """A step [s] at which contacts are well resolved: spring and friction of a piece that carries its own weight."""
+    """Return a step [s] that resolves contacts well: spring and friction of a piece that carries its own weight."""
     rate = math.sqrt(gravity / SINK)
     for c in contacts:
         share = ROLL * max(c.along, c.across) * gravity
@@ -97,7 +97,7 @@ def stable_step(contacts: list[Contact], gravity: float) -> float:
 
 
 def terrain(x: float, height: float, edge: float, slope: float, floor: float) -> tuple[float, float]:
-    """Height of the ground at x [m], and the tangent of its fall along x [-]; arguments as in `Terrain`."""
+    """Return the height of the ground at x [m] and its downward slope along x [-]; arguments as in `Terrain`."""
     if slope == 0.0 or x <= edge:
         return height, 0.0
     here = height - slope * (x - edge)
@@ -105,13 +105,12 @@ def terrain(x: float, height: float, edge: float, slope: float, floor: float) ->
 
 
 def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
-    """Height that a grid adds at x, y [m], and the tangents of its fall [-].
+    """Return the height that a grid adds at x, y [m], and its downward slopes [-].
 
     Args:
-        x: [m].
-        y: [m].
-        nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as `Terrain.nodes` has
-            them.
+        x: World x coordinate [m].
+        y: World y coordinate [m].
+        nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as in `Terrain.nodes`.
     """
     n, m = int(nodes[4]), int(nodes[5])
     u, v = (x - nodes[0]) / nodes[2], (y - nodes[1]) / nodes[3]
@@ -129,13 +128,13 @@ def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
 def touch(
     depth: float, rate: float, v_t: float, v_n: float, k: float, beta: float, along: float, across: float, eps: float
 ) -> tuple[float, float, float]:
-    """Forces of the ground on a point: along the piece, across it, and normal to the ground [N].
+    """Return the forces of the ground on a point: along the piece, across it, and normal to the ground [N].
 
     Args:
-        depth: How deep the point is in [m].
-        rate: How fast it goes in [m/s].
+        depth: Penetration depth of the point [m].
+        rate: Penetration rate of the point [m/s].
         v_t: Its velocity along the piece, in the plane of the ground [m/s].
-        v_n: The same across it [m/s].
+        v_n: Its velocity across the piece, in the plane of the ground [m/s].
         k: `Contact.stiffness` [N/m].
         beta: `Contact.damping` [s/m].
         along: `Contact.along`.
@@ -156,16 +155,16 @@ _terrain, _uneven, _touch = compiled(terrain), compiled(uneven), compiled(touch)
 
 @kernel
 def ground_load(T, E, o, P, R, place, arm, body, data):
-    """Force on an element and its torque about the element's middle, world axes.
+    """Return the force on an element and its torque about the element's center, in world axes.
 
     Args:
         T: The model's table.
         E: The elements' records.
-        o: Where this one's begins.
-        P: The water's numbers.
+        o: Start of this element's record.
+        P: The water's parameters.
         R: Rotation from element to world axes.
-        place: The element's middle.
-        arm: The same from the tree's center of mass.
+        place: The element's center.
+        arm: The element's center relative to the tree's center of mass.
         body: The element's body.
         data: The address of the data.
     """
@@ -189,7 +188,7 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
 
 @kernel
 def ground_at(T, P, x, y):
-    """Height of the ground at a place, and the tangents of its fall along x and y."""
+    """Return the height of the ground at a place, and its downward slopes along x and y."""
     height, fall = _terrain(x, *three(P, TERRAIN), P[TERRAIN + 3])
     if T[GRID_SIZE] == 0:
         return height, fall, 0.0
@@ -199,7 +198,7 @@ def ground_at(T, P, x, y):
 
 @kernel
 def lowest_point(T, E, o, P, R, place, sign):
-    """From the element's middle to the lowest point of the section at one end, and the ground's normal there."""
+    """Return the lowest point of one end section, relative to the element's center, and the ground's normal there."""
     half = three(E, o + HALF)
     _, fall, aside = ground_at(T, P, place[0] + sign * half[0] * R[0], place[1] + sign * half[0] * R[3])
     steep = (1.0 + fall * fall + aside * aside) ** -0.5
@@ -213,7 +212,7 @@ def lowest_point(T, E, o, P, R, place, sign):
 
 @kernel
 def push_of(E, o, R, depth, v, normal):
-    """The force on a point that is in the ground, with friction along and across the element."""
+    """Return the force on a point in the ground, with friction along and across the element."""
     ahead = to_world(R, (1.0, 0.0, 0.0))
     aside = cross(normal, ahead)
     aside = scaled(1.0 / (length(aside) + 1e-12), aside)
@@ -225,11 +224,11 @@ def push_of(E, o, R, depth, v, normal):
 
 @kernel
 def dot(a, b):
-    """a . b."""
+    """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
 def length(a):
-    """|a|."""
+    """Return |a|."""
     return dot(a, a) ** 0.5

@@ -1,12 +1,12 @@
-"""How much of a body is under water, and where its center of buoyancy is, for a flat surface.
+"""Submerged share of a body and its center of buoyancy, for a flat surface.
 
-Plain functions of numbers and of threes along axes, which the kernels compile. Lengths are in the element's own axes,
-`up` is the world's upward direction in them, and `depth` is that of the element's middle below the surface. All return
-the share of the volume that is under water and the centroid of that part.
+Plain functions of numbers and of triples along axes, compiled by the kernels. Lengths are in the element's own axes,
+`up` is the world's upward direction in these axes, and `depth` is that of the element's center below the surface. All
+return the submerged share of the volume and the centroid of that part.
 
-Ellipsoids, cylinders (elliptic, along x) and boxes are cut in closed form at any attitude. Where a side is level the
-forms of the latter two are 0/0, so no side rises by less than _LEVEL of what the body does: an error of 1e-5 of the
-volume, and no jump in value or slope at any attitude.
+Ellipsoids, cylinders (elliptic, along x) and boxes are cut in closed form at any attitude. For a level side the
+formulas of the latter two are 0/0, so the rise of each side is limited to at least _LEVEL times that of the body: an
+error of 1e-5 of the volume, and no jump in value or slope at any attitude.
 """
 
 import math
@@ -20,13 +20,13 @@ _TINY = 1e-12
 
 
 def wetted(shape: float, half: Three, up: Three, depth: float) -> Four:
-    """Share of the volume under water [-] and its centroid in element axes [m].
+    """Return the submerged share of the volume [-] and the centroid of that part in element axes [m].
 
     Args:
         shape: ELLIPSOID, CYLINDER or BOX.
         half: Half the length, width and height [m].
         up: The world's upward direction [-].
-        depth: Of the element's middle [m].
+        depth: Depth of the element's center [m].
     """
     if shape == ELLIPSOID:
         return _ellipsoid(half, up, depth)
@@ -38,17 +38,17 @@ def wetted(shape: float, half: Three, up: Three, depth: float) -> Four:
 def wetting(
     share: float, shape: float, half: Three, up: Three, depth: float, turning: Three, sinking: float, t: float
 ) -> float:
-    """How fast the share under water grows in the time to come, if the body goes on as it moves [1/s].
+    """Return the growth rate of the submerged share over the time ahead, at constant motion of the body [1/s].
 
     Args:
-        share: Under water now [-].
+        share: Submerged share now [-].
         shape: ELLIPSOID, CYLINDER or BOX.
         half: Half the length, width and height [m].
         up: The world's upward direction [-].
-        depth: Of the element's middle [m].
+        depth: Depth of the element's center [m].
         turning: Angular velocity [rad/s].
-        sinking: Rate of the depth [m/s].
-        t: The time [s].
+        sinking: Rate of change of the depth [m/s].
+        t: Time ahead [s].
     """
     (z_x, z_y, z_z), (w_x, w_y, w_z) = up, turning
     later = (
@@ -60,7 +60,7 @@ def wetting(
 
 
 def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
-    """The cap of a sphere, stretched."""
+    """Cut an ellipsoid: the cap of a sphere, stretched."""
     (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
     height = math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
@@ -74,7 +74,7 @@ def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
 
 
 def _cylinder(half: Three, up: Three, depth: float) -> Four:
-    """Mean over the length of the segment of a circle, stretched, that is cut off at s: from s - reach to s + reach."""
+    """Cut a cylinder: the mean over its length of a stretched circular segment, from s - reach to s + reach."""
     (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_y, p_z = half_y * z_y, half_z * z_z
     height = math.sqrt(p_y * p_y + p_z * p_z) + _TINY
@@ -95,7 +95,7 @@ def _cylinder(half: Three, up: Three, depth: float) -> Four:
 
 
 def _segments(s: float) -> tuple[float, float, float]:
-    """Integrals up to s of the unit circle's share A below t, of t A, and of minus the moment of that segment."""
+    """Return integrals up to s of the unit circle's share A below t, of t A, and of minus that segment's moment."""
     if s <= -1.0:
         return 0.0, 0.0, 0.0
     if s >= 1.0:
@@ -107,7 +107,7 @@ def _segments(s: float) -> tuple[float, float, float]:
 
 
 def _box(half: Three, up: Three, depth: float) -> Four:
-    """Height over the box is the sum of three uniform variables: its distribution is a sum over the eight corners."""
+    """Cut a box: its height is the sum of three uniform variables, distributed as a sum over the eight corners."""
     (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
     p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
     least = _LEVEL * math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
@@ -118,7 +118,7 @@ def _box(half: Three, up: Three, depth: float) -> Four:
     share, x, y, z = 0.0, 0.0, 0.0, 0.0
     for corner in range(8):
         e_x, e_y, e_z = 2 * (corner & 1) - 1, (corner & 2) - 1, (corner & 4) // 2 - 1
-        under = e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)  # the dry part of a box that is half covered or more
+        under = e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)  # the dry part if at least half of the box is submerged
         if under > 0.0:
             cube = e_x * e_y * e_z * under * under * under / (48.0 * a_x * a_y * a_z)
             share += cube

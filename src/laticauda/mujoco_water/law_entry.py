@@ -1,7 +1,7 @@
-"""The door of one drag law, or of one flow, for the water's callback: a function of two addresses, kept on disk.
+"""Entry point of one drag law or flow for the water's callback: a function of two addresses, cached on disk.
 
-A template (see `functions`). What moves stands at the first address, and the loads of the law go behind it; or place
-and time, and what is felt there of the flow. The numbers of the law, or of the flow's parts, stand at the second.
+This is a template (see `compiling.templates`). The first address holds the law's inputs, followed by its loads; or
+position and time, followed by the flow felt there. The second holds the parameters of the law, or of the flow's parts.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -20,7 +20,7 @@ from laticauda.mujoco_water.table import LOADS
 
 _names = bindings(__name__)
 _formula, _flow = _names.get("law"), summed(_names.get("flow", ()), len(Motion._fields))
-_felt, _any = compiled(felt), 1 << 40  # numbers at an address, as many as it takes
+_felt, _any = compiled(felt), 1 << 40  # as many numbers at an address as needed
 if _formula is not None:
     _law, _given, _own = in_numbers(_formula, Element, MOTION), rows_from(0, LOADS), rows_from(0, len(_formula.fields))
 

@@ -1,9 +1,9 @@
-"""MuJoCo below Python: where things sit in its structures, and calls from compiled code to its functions.
+"""MuJoCo below Python: the memory layout of its structures, and calls of its functions from compiled code.
 
-Compiled callbacks get two bare addresses, of the model and of the data. What they need from the data is found by the
-fields' offsets in the structure, which are the same for all data of one build of MuJoCo; `offsets` measures them on a
-small model instead of trusting a header. MuJoCo's functions are called by their names and others by their addresses,
-which come in as numbers, so that compiled code can be kept on disk.
+Compiled callbacks receive two plain addresses, of the model and of the data. They find what they need from the data by
+the fields' offsets in the structure, which are the same for all data of one build of MuJoCo; `offsets` measures them on
+a small model instead of relying on a header. MuJoCo's functions are called by name and others by address, passed as a
+number, so that compiled code can be cached on disk.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -25,18 +25,18 @@ from numba.extending import intrinsic
 from laticauda.errors import load_mujoco
 from laticauda.mujoco_water.table import AT
 
-# A free body with a hinged child: every array that is looked for has an address of its own.
+# A free body with a hinged child: every array of interest has a distinct address.
 _PROBE = """
 <mujoco><worldbody><body><freejoint/><geom size=".1"/>
 <body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/><site name="s"/></body></body></worldbody>
 <sensor><force site="s"/></sensor></mujoco>
 """
-_RARE = 0.7310585786300049  # a number that stands nowhere else
-_RARE_FLAGS = 0x2A5C39D6  # and flags
+_RARE = 0.7310585786300049  # a number that occurs nowhere else
+_RARE_FLAGS = 0x2A5C39D6  # flags that occur nowhere else
 
 
 def _function(name: str, result: Any, *arguments: Any) -> Any:
-    """A function of MuJoCo as compiled code calls it; an address is a 64-bit integer there."""
+    """Declare a function of MuJoCo for compiled code, where an address is a 64-bit integer."""
     return types.ExternalFunction(name, result(*arguments))
 
 
@@ -54,18 +54,18 @@ _FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, in
 
 @cache
 def library() -> ctypes.CDLL:
-    """The shared library that the module `mujoco` runs on; once it is open, compiled code finds its functions.
+    """Return the shared library that the module `mujoco` uses; once it is open, compiled code finds its functions.
 
     Raises:
-        OSError: If the library that is running is not that of the module: packages have overwritten each other.
+        OSError: If the loaded library is not that of the module: packages have overwritten each other.
     """
     mujoco = load_mujoco()
-    folder, running = Path(mujoco.__file__).parent, getattr(os, "RTLD_NOLOAD", 0)  # Windows opens it once anyway
+    folder, running = Path(mujoco.__file__).parent, getattr(os, "RTLD_NOLOAD", 0)  # Windows opens it only once anyway
     for path in (p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern)):
         try:
             opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | running)
         except OSError:
-            continue  # another version's, which nobody has opened
+            continue  # another version's, which is not loaded
         opened.mj_versionString.restype = ctypes.c_char_p
         if opened.mj_versionString().decode() == mujoco.__version__:
             break
@@ -82,11 +82,11 @@ def library() -> ctypes.CDLL:
 
 @cache
 def offsets() -> list[int]:
-    """Offsets of the fields `AT` from the start of `mjData` [bytes]."""
+    """Return the offsets of the fields `AT` from the start of `mjData` [bytes]."""
     mujoco = load_mujoco()
     data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
     data.time = _RARE
-    words = _words(data._address, np.uint64(data.signature), "data")  # stands behind all pointers
+    words = _words(data._address, np.uint64(data.signature), "data")  # located after all pointers
     found: list[int] = []
     for name in AT._fields:
         value = np.float64(_RARE).view(np.uint64) if name == "time" else np.uint64(getattr(data, name).ctypes.data)
@@ -96,7 +96,7 @@ def offsets() -> list[int]:
 
 @cache
 def model_offsets() -> dict[str, int]:
-    """Offsets in `mjModel` [bytes]: of options, two of them overrides of contacts, and of the armature's address."""
+    """Return offsets in `mjModel` [bytes]: of options, two of them contact overrides, and of the armature's address."""
     model = load_mujoco().MjModel.from_xml_string(_PROBE)
     model.opt.timestep, model.opt.o_margin, model.opt.disableflags = _RARE, 2.0 * _RARE, _RARE_FLAGS
     words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
@@ -111,7 +111,7 @@ def model_offsets() -> dict[str, int]:
 
 
 def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
-    """The words of a structure from its start to the one that holds `target`, which stands near its end."""
+    """Return the words of a structure from its start to the one that holds `target`, which is near its end."""
     page, limit = 1024, 1 << 20
     for length in range(page, limit, page):
         words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
@@ -129,7 +129,7 @@ def _last(words: np.ndarray, value: Any, name: str, size: int = 8) -> int:
 
 @intrinsic
 def pointer(typingctx, number):
-    """An address, given as a number, as an untyped pointer."""
+    """Convert an address, given as a number, to an untyped pointer."""
     del typingctx, number
 
     def codegen(context, builder, signature, arguments):
@@ -139,7 +139,7 @@ def pointer(typingctx, number):
 
 
 def _loaded(kind, stored):
-    """The type and the code of reading what is stored at an address."""
+    """Return the type and the code for reading the value at an address."""
 
     def codegen(context, builder, signature, arguments):
         return builder.load(builder.inttoptr(arguments[0], stored.as_pointer()))
@@ -149,24 +149,24 @@ def _loaded(kind, stored):
 
 @intrinsic
 def word_at(typingctx, number):
-    """The 64-bit integer at an address."""
+    """Return the 64-bit integer at an address."""
     return _loaded(types.int64, ir.IntType(64))
 
 
 @intrinsic
 def flags_at(typingctx, number):
-    """The 32-bit integer at an address."""
+    """Return the 32-bit integer at an address."""
     return _loaded(types.int32, ir.IntType(32))
 
 
 @intrinsic
 def number_at(typingctx, number):
-    """The 64-bit floating-point number at an address."""
+    """Return the 64-bit floating-point number at an address."""
     return _loaded(types.float64, ir.DoubleType())
 
 
 def _call(where, *arguments):
-    """The type and the code of a call of the function at an address; it takes 64-bit integers and returns nothing."""
+    """Return type and code of a call to the function at an address; it takes 64-bit integers and returns nothing."""
 
     def codegen(context, builder, signature, given):
         kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))

@@ -1,12 +1,12 @@
-"""Force and torque sensors of a model in water: what a real one would tell.
+"""Force and torque sensors of a model in water, with the readings of real ones.
 
-MuJoCo computes what acts between a body and its parent after it has solved for the accelerations, from the inertia of
-the bodies and the forces that it knows; passive forces are none of them. What the water does to a body is such a force,
-and what its added mass does is known only then. So the force and torque sensors of a model with water are made user
-sensors, which MuJoCo leaves to a callback at that very stage: it takes the water's load on all that hangs on a sensor's
-body off what MuJoCo found.
+MuJoCo computes the load between a body and its parent after it has solved for the accelerations, from the inertia of
+the bodies and the forces known to it, which exclude passive forces. The water's load on a body is a passive force, and
+that of its added mass is known only then. The force and torque sensors of a model with water are therefore converted to
+user sensors, which MuJoCo leaves to a callback at that stage: the callback subtracts the water's load on a sensor's
+body and all its descendants from MuJoCo's result.
 
-What a sensor was stands in its `refid`, which these two do not use, so copies and files of the model have it.
+A sensor's original type is kept in its `refid`, unused by these two types, so copies and files of the model have it.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -30,17 +30,17 @@ from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import cross, field, integers, nine, numbers, plus, scaled, three, to_own
 
 ACCELERATIONS = 3  # MuJoCo's stage, mjSTAGE_ACC
-_KINDS = {"FORCE": -2, "TORQUE": -3}  # by name of the type: `refid` of the user sensor that stands in for it
+_KINDS = {"FORCE": -2, "TORQUE": -3}  # by type name: `refid` of the user sensor that replaces it
 
 
 def take_over(model: Any) -> np.ndarray:
-    """Make a model's force and torque sensors ours; those with a history stay MuJoCo's.
+    """Take over a model's force and torque sensors; those with a history remain MuJoCo's.
 
     Args:
         model: The `mujoco.MjModel`.
 
     Returns:
-        Per sensor: place of its data, its site, the site's body, and 1 if it senses force, else 0.
+        Per sensor: index of its data, its site, the site's body, and 1 if it senses force, else 0.
     """
     kinds, found = load_mujoco().mjtSensor, np.zeros((0, 4), dtype=np.int64)
     history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[:, 0]
@@ -59,7 +59,7 @@ def _taken(model: Any, sign: int) -> np.ndarray:
 
 
 def give_back(model: Any) -> None:
-    """Make the sensors that were taken over what they were.
+    """Restore the sensors that were taken over.
 
     Args:
         model: The `mujoco.MjModel`.
@@ -70,7 +70,7 @@ def give_back(model: Any) -> None:
 
 
 def install() -> None:
-    """Put the sensor callback in place, in front of one that is there already."""
+    """Install the sensor callback, chaining to an existing one."""
     there, own = ctypes.c_void_p.in_dll(library(), "mjcb_sensor"), int(callback().address)
     if there.value != own:
         registry[REGISTRY_SIZE - 1] = there.value or 0
@@ -79,13 +79,13 @@ def install() -> None:
 
 @kernel
 def water_below(T, data, S):
-    """In place of every body's load: that on it and on all that hangs on it, at the accelerations that were found."""
+    """Replace every body's load with the total on it and its descendants, at the accelerations found."""
     n = T[N_BODIES]
     parent, cacc = integers(T[PARENT], n), field(data, T[AT.cacc], 6 * n)
     for b in range(n - 1, 0, -1):
         F, A = 6 * (n + b), 12 * n + 21 * b
         a = S[6 * b : 6 * b + 6]
-        for k in range(6):  # what the joints' accelerations add to it; MuJoCo's count from the world's, which is -g
+        for k in range(6):  # the part due to joint accelerations; MuJoCo's start from the world's, which is -g
             a[k] = cacc[6 * b + k] - cacc[k] - a[k]
         for row in range(3):
             for column in range(3):
@@ -99,7 +99,7 @@ def water_below(T, data, S):
 
 @kernel
 def sense(model, data, table):
-    """The readings of one model's force and torque sensors."""
+    """Compute the readings of one model's force and torque sensors."""
     T = integers(table, TABLE_SIZE)
     n = T[N_BODIES]
     if T[N_SENSORS] == 0:
@@ -136,5 +136,5 @@ def _sensors(model, data, stage):
 
 @cache
 def callback() -> Any:
-    """The sensor callback for all models with water: a compiled function of the model, the data and the stage."""
+    """Return the sensor callback for all models with water: a compiled function of model, data and stage."""
     return for_c(types.void(types.int64, types.int64, types.int32), named_after(sources_digest(__name__), _sensors))

@@ -13,55 +13,55 @@ from laticauda.mujoco_water.native import pointer, word_at
 
 @kernel
 def integers(where, n):
-    """The `n` integers at an address."""
+    """Return the `n` integers at an address."""
     return carray(pointer(where), (n,), np.int64)
 
 
 @kernel
 def numbers(where, n):
-    """The `n` numbers at an address."""
+    """Return the `n` numbers at an address."""
     return carray(pointer(where), (n,), np.float64)
 
 
 @kernel
 def field(data, offset, n):
-    """The `n` numbers of a field of the data."""
+    """Return the `n` numbers of a field of the data."""
     return numbers(word_at(data + offset), n)
 
 
 @kernel
 def three(values, k):
-    """Three numbers from place `k` on."""
+    """Return three numbers, starting at index `k`."""
     return values[k], values[k + 1], values[k + 2]
 
 
 @kernel
 def plus(a, b):
-    """a + b."""
+    """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @kernel
 def scaled(k, a):
-    """k a, for a number k."""
+    """Return k a, for a number k."""
     return k * a[0], k * a[1], k * a[2]
 
 
 @kernel
 def times(a, b):
-    """a and b multiplied axis by axis."""
+    """Return the elementwise product of a and b."""
     return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
 @kernel
 def cross(a, b):
-    """a x b."""
+    """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel
 def to_world(R, v):
-    """R v: from element to world axes; R is nine numbers, row by row."""
+    """Return R v, from element to world axes; R is nine numbers, row by row."""
     return (
         R[0] * v[0] + R[1] * v[1] + R[2] * v[2],
         R[3] * v[0] + R[4] * v[1] + R[5] * v[2],
@@ -71,7 +71,7 @@ def to_world(R, v):
 
 @kernel
 def to_own(R, v):
-    """R^T v: from world to element axes."""
+    """Return R^T v, from world to element axes."""
     return (
         R[0] * v[0] + R[3] * v[1] + R[6] * v[2],
         R[1] * v[0] + R[4] * v[1] + R[7] * v[2],
@@ -81,5 +81,5 @@ def to_own(R, v):
 
 @kernel
 def nine(values, k):
-    """Nine numbers from place `k` on."""
+    """Return nine numbers, starting at index `k`."""
     return (*three(values, k), *three(values, k + 3), *three(values, k + 6))

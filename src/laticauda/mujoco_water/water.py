@@ -1,8 +1,8 @@
-"""Water that is attached to a MuJoCo model.
+"""Water attached to a MuJoCo model.
 
-The loads are one compiled passive callback. Callbacks belong to the whole process, so there is one for all models: it
-looks the model up and leaves those without water alone. It runs in threads (`mujoco.rollout`, `mujoco.batch`), for its
-scratch memory is the data's own stack.
+The loads are computed by one compiled passive callback. Callbacks belong to the whole process, so one serves all
+models: it looks up the model and ignores those without water. It can run in threads (`mujoco.rollout`, `mujoco.batch`),
+because its scratch memory is the data's own stack.
 """
 
 import copyreg
@@ -29,61 +29,61 @@ from laticauda.mujoco_water.ground import Terrain
 
 Current: TypeAlias = Flow | Callable[[float, float, float, float], tuple[float, ...]] | Sequence[float]
 FORMS = ("relative", "kirchhoff", "classic")
-_lock = Lock()  # one look at the forces at a time: where they go to stands in the table
+_lock = Lock()  # one evaluation of forces at a time: their destination is in the table
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Water:
-    """Water that is attached to a model; made by `attach`. It stays as long as the model lives, or until `detach`."""
+    """Water attached to a model; created by `attach`. It stays as long as the model lives, or until `detach`."""
 
     model: Any
-    """The `mujoco.MjModel`; weakly held."""
+    """Weak reference to the `mujoco.MjModel`."""
     elements: tuple[Element, ...]
-    """What the water sees, in the order that they were given."""
+    """The elements, in the order in which they were given."""
     options: dict[str, Any]
     """The other arguments of `attach`."""
     table: np.ndarray
-    """Addresses and offsets for the compiled code; see `loads`."""
+    """Addresses and offsets for the compiled code; see `table`."""
     numbers: dict[str, Any]
-    """What the table points to."""
+    """Arrays that the table points to."""
 
     def detach(self) -> None:
-        """Take the water away from the model; copies of it keep theirs."""
+        """Remove the water from the model; copies of it keep theirs."""
         model = self._live()
         callback.leave(model)
         sensors.give_back(model)
 
     @property
     def active(self) -> bool:
-        """Whether the callback is in place: another package may have put its own there."""
+        """Whether the callback is installed: another package may have replaced it."""
         return callback.is_installed()
 
     def set_current(self, current: Current | None) -> None:
-        """Let the water of this model, and of copies that are made of it later, move so from now on.
+        """Set the motion of the water of this model, and of copies made of it later.
 
         Args:
-            current: Its velocity, world axes [m/s], a flow, or a function of x, y, z [m] and t [s] like one; None: as
-                it was attached. A water keeps the last 64 flows that it was given; a copy whose flow is none of them
-                any more is refused.
+            current: Velocity, world axes [m/s], a flow, or a function of x, y, z [m] and t [s] like one; None: as
+                attached. A water keeps the last 64 flows that it was given; a copy whose flow is no longer among them
+                is rejected.
         """
         self._live().opt.o_friction[:4] = _motion(self.numbers, self.options["current"] if current is None else current)
 
     @property
     def current(self) -> Current:
-        """How the water of this model moves now: a flow or a function, or its velocity [m/s]."""
+        """Current motion of the water of this model: a flow or a function, or its velocity [m/s]."""
         *velocity, number = self._live().opt.o_friction[:4].tolist()
         return self.numbers["given"][int(number)][0] if number else tuple(velocity)
 
     def forces(self, data: Any) -> dict[str, np.ndarray]:
-        """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
+        """Return the loads on every element at the state in `data`, which is evaluated again (`mj_forward`).
 
         Args:
             data: A `mujoco.MjData` of the model.
 
         Returns:
-            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with what accelerating water does to the
-            displaced one), `buoyancy` and `effector` (thrust, tether, wake, plate) [N]. The added mass is that of the
-            accelerations in `data` afterward.
+            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with the force of accelerating water on
+            the displaced volume), `buoyancy` and `effector` (thrust, tether, wake, plate) [N]. `added_mass` is that for
+            the accelerations in `data` after the call.
         """
         out = np.zeros((len(self.elements), rows.OUT_SIZE))
         model = self._live()
@@ -99,7 +99,7 @@ class Water:
         return found
 
     def _carried(self, model: Any, data: Any) -> np.ndarray:
-        """Added mass times what the accelerations of the joints do to the middle of every element [N]."""
+        """Return added mass times the acceleration of every element's center due to the joints' accelerations [N]."""
         mujoco = load_mujoco()
         force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
         for i, element in enumerate(self.elements):
@@ -127,32 +127,32 @@ def attach(
     usual_speed: float = 1.0,
     terrain: Terrain | None = None,
 ) -> Water:
-    """Put a model under water, and what was attached to it before away.
+    """Attach water to a model, replacing any water attached before.
 
-    A copy of the model has its water too, with a current of its own (see `attached`), and so has a pickled model where
-    it is loaded. An MJB file has the mark of the water alone: a step of what is loaded from it is refused.
+    A copy of the model has the water too, with its own current (see `attached`), and so does a pickled model when it is
+    loaded. An MJB file contains only the mark of the water: stepping a model loaded from it is rejected.
 
     Args:
-        model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it, or what holds one as `ptr`, as dm_control does.
-        elements: What the water sees; None: `geom_elements`.
-        density: rho, for the buoyancy [kg/m^3].
-        current: How the water moves: its velocity, world axes [m/s]; or a flow (`laticauda.fluid.flow.Flow`), or a
+        model: A `mujoco.MjModel` from `mujoco` or `compiled`, or an object that holds one as `ptr`, as in dm_control.
+        elements: Elements on which the water acts; None: `geom_elements`.
+        density: Density rho, for the buoyancy [kg/m^3].
+        current: Motion of the water: its velocity, world axes [m/s]; or a flow (`laticauda.fluid.flow.Flow`), or a
             function of x, y, z [m] and t [s] like one, which returns the velocity or the 16 numbers of a `Motion`. Its
-            z counts from the surface's mean height, its elevation of the surface lifts and wets.
-        surface: Mean height of the surface [m]; None: everything is covered.
-        form: Velocity terms of the added mass: `kirchhoff`, the complete ones; `relative`, without the Munk moment; or
-            `classic`, the bare acceleration.
-        implicit_drag: Take the drag's slope into the inertia of the step. Stable at any step, and of first order in
+            z is relative to the mean surface; its elevation of the surface affects buoyancy and wetting.
+        surface: Mean height of the surface [m]; None: everything is submerged.
+        form: Velocity terms of the added mass: `kirchhoff` for the complete ones, `relative` without the Munk moment,
+            or `classic` for the acceleration alone.
+        implicit_drag: Include the drag's slope in the inertia of the step. Stable at any step, and of first order in
             it; for the integrators Euler and implicitfast only. The accelerations in the data are then those of the
             step, and no longer forces over inertia.
-        usual_speed: At which the step is checked against the drag [m/s].
-        terrain: The ground that elements with a `contact` touch; None: flat at height 0.
+        usual_speed: Speed at which the step is checked against the drag [m/s].
+        terrain: Ground for elements with a `contact`; None: flat at height 0.
 
     Returns:
-        A handle. The water stays without it, for as long as the model lives.
+        A handle. The water stays attached without it, for as long as the model lives.
 
     Raises:
-        ValueError: If the model or an argument cannot be worked with; the message says why.
+        ValueError: If the model or an argument is not supported; the message gives the reason.
         MissingExtra: If MuJoCo is not installed.
     """
     instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
@@ -169,10 +169,10 @@ def attach(
 
 
 def attached(model: Any) -> Water | None:
-    """The water of `model`: one that it was attached to, a copy, or one from a pickle; None: it has none.
+    """Return the water of `model`, be it the original model, a copy, or one from a pickle; None: no water.
 
     Args:
-        model: A `mujoco.MjModel`, or what holds one as its `ptr`.
+        model: A `mujoco.MjModel`, or an object that holds one as `ptr`.
     """
     instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
     water = callback.entry(model)
@@ -213,7 +213,7 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
 
 
 def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, float, float]:
-    """What a model holds of how its water moves: a velocity [m/s], or 0 and the number of a flow, which is kept."""
+    """Return what a model stores: a velocity [m/s], or 0 and the number of a flow, which is kept."""
     velocity = (current.constant or current) if isinstance(current, Flow) else current
     if not callable(velocity):
         if len(velocity) != 3:
@@ -236,7 +236,7 @@ def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, fl
 
 
 def _reduced(model: Any) -> Any:
-    """What a model is pickled as: with the water that it has."""
+    """Return the reduced form of a model for pickle, including its water."""
     water = callback.entry(model)
     if water is None:
         return model.__reduce_ex__(2)
@@ -254,11 +254,11 @@ def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, An
 def compiled(spec: Any) -> Any:
     """Compile a `mujoco.MjSpec` so that every body can have added mass.
 
-    MuJoCo stores nothing but the diagonal of the inertia of a free body whose frame is that of its inertia. Added mass
-    needs all of it, so the inertia's frame is moved aside while the model is compiled, and back afterward.
+    MuJoCo stores only the diagonal of the inertia of a free body whose frame is its inertial frame. Added mass needs
+    the whole matrix, so the inertial frame is moved aside while the model is compiled, and restored afterward.
 
     Args:
-        spec: A model; it is left as it was.
+        spec: A model; it is not modified.
 
     Returns:
         A `mujoco.MjModel`.
@@ -301,7 +301,7 @@ def _table(
         "laws": np.array([_entry(e.law, [e.law.formula], law=e.law.formula).address for e in elements], dtype=np.int64),
     }
     records = arrays["elements"].reshape(-1, rows.ELEMENT_SIZE)
-    rigid = model.body_weldid  # bodies without a joint between them are one
+    rigid = model.body_weldid  # bodies without a joint between them are one rigid body
     loaded = np.bincount(rigid[bodies], records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody)
     own = [np.bincount(rigid, x, model.nbody) for x in (model.body_mass, model.body_inertia.min(axis=1))]
     records[:, [rows.OWN_MASS, rows.OWN_INERTIA]] = (own / np.maximum(loaded, 1.0)).T[rigid[bodies]]
@@ -333,10 +333,11 @@ _entries: dict[str, Any] = {}
 
 
 def _entry(law: DragLaw | Flow, formulas: Sequence[Formula], /, **names: Any) -> Any:
-    """A cfunc of two addresses, for a law, which is checked, or for one of the same formulas.
+    """Return a cfunc of two addresses, for a law or flow, which is checked unless its formulas are known.
 
-    They are of what `table.LOADS` numbers a law gets, its loads behind them, or of place and time, what is felt there
-    behind them; and of the law's own numbers, or those of a flow's parts. `names` are what law_entry.py is made with.
+    The first address holds the `table.LOADS` numbers that a law takes, followed by its loads; or position and time,
+    followed by the flow felt there. The second holds the law's own numbers, or those of a flow's parts. `names` are the
+    bindings of law_entry.py.
     """
     made_of = [*names, *map(digest_of, formulas), sources_digest("laticauda.mujoco_water.law_entry")]
     key = hashlib.sha256(" ".join(made_of).encode()).hexdigest()[:16]

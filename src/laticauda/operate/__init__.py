@@ -1,6 +1,6 @@
-"""Operating a robot: from trial file and devices to recording and trial.
+"""Robot operation, from the trial file and the devices to the recording and the trial.
 
-Names are imported when they are first used: recordings load a library of their own.
+Names are imported on first use, because recordings load an additional library.
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
-"""The loop of an operation: takes what the devices have, ticks, and sends what comes out, at a fixed rate.
+"""The loop of an operation: reads the devices, ticks, and sends the outputs, at a fixed rate.
 
-What the time is, its clock says, and what the devices are, is theirs: the same loop operates a robot over wires and
-something that is stepped, such as `laticauda.lab.Tank`, without threads and as fast as it goes.
+The loop depends neither on the kind of clock nor on the kind of devices: it operates a robot over wires as well as
+something that is stepped, such as `laticauda.lab.Tank`, without threads and as fast as possible.
 """
 
 import math
@@ -21,20 +21,20 @@ from laticauda.operate.recording import entries, log, writer
 from laticauda.operate.settings import Connection
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
-MOST_TICKS = 200_000  # whose times are kept, half an hour at 100 Hz; then the first ones give way
-MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
+MOST_TICKS = 200_000  # ticks whose times are kept, half an hour at 100 Hz; then the oldest are overwritten
+MOST_ERRORS = 3  # consecutive errors of the tick after which the operation is given up
 Show = Callable[[OperatorState, Outputs], None]
-"""Called with every tick; must be quick."""
+"""Function that is called with every tick; must be fast."""
 
 
 @dataclass(kw_only=True)
 class Devices:
-    """What the loop takes from and sends to: drivers that are connected, or what stands for them in a tank."""
+    """Devices that the loop reads from and sends to: connected drivers, or their substitutes in a tank."""
 
     clock: Clock
-    """What stamps what comes in."""
+    """Clock that timestamps incoming data."""
     bus: "Bus | TankBus"
-    """The modules'."""
+    """The modules' bus."""
     mocap: "MotionCapture | TankCameras"
     """The cameras."""
     meter: "Meter | TankMeter | None" = None
@@ -43,7 +43,7 @@ class Devices:
     """The emergency-stop input; None without one."""
 
     def receive(self) -> tuple[Inputs, tuple[Frame, ...]]:
-        """Everything that came in since the last call, and the raw frames of the bus."""
+        """Return everything received since the last call, and the raw frames of the bus."""
         frames, events = self.bus.receive(), {"bus_off": self.bus.bus_off}
         for why in () if self.stop is None else self.stop.receive():
             events["emergency_input"] = why
@@ -58,14 +58,14 @@ class Devices:
 
 @contextmanager
 def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
-    """The devices of an operation, connected; they are closed at the end of the block.
+    """Connect the devices of an operation; they are closed at the end of the block.
 
     Args:
-        connection: Where they are.
-        clock: What stamps everything that comes in.
+        connection: Drivers and addresses of the devices.
+        clock: Clock that timestamps all incoming data.
 
     Raises:
-        DeviceFailed: If one cannot be reached; the message says what to check.
+        DeviceFailed: If a device cannot be reached; the message says what to check.
         MissingExtra: If a library is not installed.
     """
     with ExitStack() as stack:
@@ -82,25 +82,25 @@ def run_loop(
     show: Show | None = None,
     longest: float = math.inf,
 ) -> tuple[OperatorState, entries.Timing | None]:
-    """Operate until it is done.
+    """Run the loop until the operation is done.
 
     Args:
-        operator: What to do.
-        devices: Connected.
-        keys: What the operator has pressed by a time [s].
-        sink: What keeps the record; None: nothing does.
-        show: Called with every tick.
-        longest: After which it is given up [s].
+        operator: Operation to run.
+        devices: Connected devices.
+        keys: Function that returns what the operator has pressed by a time [s].
+        sink: Sink that keeps the record; None: no record is kept.
+        show: Function that is called with every tick.
+        longest: Time after which the operation is given up [s].
 
     Returns:
-        The last state, and how punctual the loop was; None if its clock is not real.
+        The last state, and the punctuality of the loop; None if its clock is not real.
 
     Raises:
-        RuntimeError: If it is not done by then, or the operator's program fails again and again.
+        RuntimeError: If the operation is not done by then, or the operator's program fails repeatedly.
     """
     clock, interval = devices.clock, 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
-    ticks: Any = np.empty((MOST_TICKS if clock.is_real else 0, 3))  # made at once: nothing grows in the loop
+    ticks: Any = np.empty((MOST_TICKS if clock.is_real else 0, 3))  # allocated once: nothing grows in the loop
     n_ticks = 0
     with clock.undisturbed() as granted:
         begun = origin = clock.now()
@@ -117,14 +117,14 @@ def run_loop(
             try:
                 state, outputs = operator.tick(state, now, inputs)
                 errors, error = 0, ""
-            except Exception as failed:  # a fault of ours must not leave the robot swimming
+            except Exception as failed:  # an error of our own must not leave the robot swimming
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
                     devices.bus.send((protocol.EmergencyStop(reason=2),))
                     raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
             sent = devices.bus.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
-                devices.meter.restart()  # what averages begins anew
+                devices.meter.restart()  # its averages start over
             if clock.is_real:
                 tick = entries.Tick(due, now, clock.now())
                 ticks[n_ticks % MOST_TICKS] = tick.due, tick.began, tick.sent
@@ -136,16 +136,16 @@ def run_loop(
             if show is not None:
                 show(state, outputs)
             count += 1
-            if now > origin + (count + 1) * interval:  # what was missed is not made up for
+            if now > origin + (count + 1) * interval:  # missed ticks are not made up for
                 origin, count = now, 1
-    return state, entries.Timing(times=ticks[:n_ticks], interval=interval) if clock.is_real else None
+    return state, entries.Timing(times=np.sort(ticks[:n_ticks], axis=0), interval=interval) if clock.is_real else None
 
 
-METER_INTERVAL = 0.2  # between two queries of the meter [s]
+METER_INTERVAL = 0.2  # time between two queries of the meter [s]
 
 
 class TankTime(Clock):
-    """The time up to which a tank has been stepped.
+    """Clock of a tank: the time up to which it has been stepped.
 
     Args:
         tank: The tank.
@@ -162,26 +162,26 @@ class TankTime(Clock):
         return self._now
 
     def wait_until(self, moment: float) -> None:
-        """Step the tank until then, a `moment` in s."""
+        """Step the tank until `moment` [s]."""
         self._tank.advance_to(moment)
         self._now = moment
 
     @contextmanager
     def undisturbed(self) -> Generator[str]:
-        """Nothing to do: what is stepped cannot be late."""
+        """Do nothing: a stepped tank cannot be late."""
         yield ""
 
 
 class TankDriver:
-    """A device of a tank without wires, as a driver of it: what it says is there at once.
+    """Driver for a device of a tank without wires; its data are available at once.
 
     Args:
         tank: The tank.
-        clock: What stamps what comes in.
+        clock: Clock that timestamps incoming data.
     """
 
     trouble = ""
-    """Never any."""
+    """Always empty: nothing goes wrong."""
 
     def __init__(self, tank: lab.Tank, clock: Clock) -> None:
         self._tank, self._clock = tank, clock
@@ -191,15 +191,15 @@ class TankBus(TankDriver):
     """The modules' bus."""
 
     bus_off = ""
-    """Never."""
+    """Always empty: it can always send."""
 
     def receive(self) -> tuple[Frame, ...]:
-        """What the modules said since the last call."""
+        """Return the frames that the modules sent since the last call."""
         now = self._clock.now()
         return tuple(Frame(now, *wire, is_ours=False, message=protocol.decode(*wire)) for wire in self._tank.sent())
 
     def send(self, messages: tuple[protocol.CanMessage, ...]) -> tuple[Frame, ...]:
-        """Let the modules hear `messages`, in this order: the frames that carry them."""
+        """Deliver `messages` to the modules in this order; return the frames that carry them."""
         now = self._clock.now()
         frames = tuple(Frame(now, *protocol.encode(message), is_ours=True, message=message) for message in messages)
         for frame in frames:
@@ -211,18 +211,18 @@ class TankCameras(TankDriver):
     """The cameras."""
 
     def receive(self) -> tuple[tuple[float, estimation.PoseSample], ...]:
-        """What they saw since the last call, with the time of arrival."""
+        """Return what the cameras saw since the last call, with the times of arrival."""
         now, captured = self._clock.now(), self._tank.captured()
         return tuple((now, pose_sample(one.timestamp, one.bodies[0] if one.bodies else None)) for one in captured)
 
 
 class TankMeter(TankDriver):
-    """The power meter, whose averages nobody queries."""
+    """The power meter; its averages are not queried."""
 
     _queried = -math.inf
 
     def receive(self) -> tuple[entries.PowerReading, ...]:
-        """What it shows, now and then; nothing where it says nothing, or nothing of sense."""
+        """Return the displayed current once per `METER_INTERVAL`; nothing if there is no valid answer."""
         now = self._clock.now()
         if now - self._queried < METER_INTERVAL - 1e-9:
             return ()
@@ -234,16 +234,16 @@ class TankMeter(TankDriver):
         return (entries.PowerReading(time=now, current=shown.live),)
 
     def restart(self) -> None:
-        """Nothing to do."""
+        """Do nothing."""
 
 
 class TankDevices(Devices):
-    """A tank without wires, as devices.
+    """Devices of a tank without wires.
 
     Args:
         tank: The tank.
         has_meter: Whether its power meter is read.
-        clock: Its time; None: the usual one.
+        clock: Clock of the tank; None: a new one.
     """
 
     def __init__(self, tank: lab.Tank, *, has_meter: bool = True, clock: TankTime | None = None) -> None:

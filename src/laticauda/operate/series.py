@@ -1,4 +1,4 @@
-"""A series: every setting several times, the mean and the scatter, and the runs that were rejected, with the reason."""
+"""Series of runs: each setting repeated, with mean and scatter, and the rejected runs with the reasons."""
 
 import math
 import re
@@ -17,7 +17,7 @@ from laticauda.operate.settings import Operation, SeriesFile
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
 FIGURES: dict[str, tuple[str, int, int] | None] = {name: one or None for name, one in TOLD["series"].items()}
-"""Figures of a setting, and where the table has them: title, width and digits."""
+"""Figures of a setting, with title, width and digits of their column in the table; None: not in the table."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
 
@@ -27,20 +27,20 @@ class Repeats:
     """All runs of one setting."""
 
     operation: Operation
-    """What was to be run."""
+    """Operation that was to be run."""
     results: tuple[Result, ...]
-    """In their order, the rejected ones too."""
+    """Results in the order of the runs, including the rejected ones."""
 
     @property
     def accepted(self) -> tuple[Result, ...]:
-        """The runs that count."""
+        """Results of the runs that count."""
         return tuple(result for result in self.results if result.accepted and result.trial is not None)
 
     def figure(self, name: str) -> tuple[float, float | None] | None:
-        """Mean and standard deviation of a figure of the summary; one run has no deviation, and none gives None.
+        """Return mean and standard deviation of a figure; one run has no deviation, and no runs give None.
 
         Args:
-            name: Of the figure, as `forward_velocity`; those that `Result.summary` has.
+            name: Name of a figure in `Result.summary`, such as `forward_velocity`.
         """
         known = [value for result in self.accepted if (value := result.summary().get(name)) is not None]
         return mean_and_deviation(known) if known else None
@@ -48,23 +48,23 @@ class Repeats:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Series:
-    """What became of a series."""
+    """Outcome of a series."""
 
     file: SeriesFile
-    """What was to be run."""
+    """Series that was to be run."""
     settings: tuple[Repeats, ...]
-    """In the order of the file."""
+    """Settings in the order of the file, with their runs."""
     folder: Path
-    """Trials, recordings and the table of repeats."""
+    """Folder of the trials, the recordings and the table of repeats."""
 
     @property
     def is_complete(self) -> bool:
-        """Whether every setting has its repeats."""
+        """Whether every setting has all its repeats."""
         repeats = [len(setting.accepted) for setting in self.settings]
         return len(repeats) == len(self.file.trials) and all(n >= self.file.repeats for n in repeats)
 
     def summary(self) -> dict[str, Any]:
-        """Everything by name, ready for JSON."""
+        """Return everything by name, ready for JSON."""
         return {
             "name": self.file.name,
             "complete": self.is_complete,
@@ -82,7 +82,7 @@ class Series:
         }
 
     def table(self) -> str:
-        """Mean and scatter per setting, and why runs were rejected."""
+        """Return a table of mean and scatter per setting, and the reasons why runs were rejected."""
         shown = [(name, *column) for name, column in FIGURES.items() if column is not None]
         lines = [f"{'setting':<34}{'runs':>5}" + "".join(f"{title:>{width}}" for _, title, width, _ in shown)]
         for setting in self.settings:
@@ -97,25 +97,26 @@ class Series:
 
 
 def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
-    """Mean and standard deviation of some values; one has no deviation."""
+    """Return mean and standard deviation of some values; a single value has no deviation."""
     return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
 
 
 def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | None = None) -> Series:
-    """Run every setting until it has its repeats, or has been rejected too often.
+    """Run every setting until it has all its repeats, or has been rejected too often.
 
-    The folder holds trials (``.nc``) and recordings (``.mcap``) run by run, and ``repeats.csv``, which is brought up to
-    date after every run. A series that was stopped, rejected or killed goes on: what the folder has counts as it ended,
-    a recording that was not made a trial of before the program was killed too, and further runs take the next number.
+    The folder holds the trial (``.nc``) and the recording (``.mcap``) of every run, and ``repeats.csv``, which is
+    updated after every run. A series that was stopped, rejected or killed is continued: runs in the folder count as
+    they ended, including a recording whose program was killed before it made a trial of it, and further runs take the
+    next number.
 
     Args:
-        series: What to run.
-        folder: Where everything goes.
-        run: Operates once, into a folder.
-        place: Called before every run, with the setting and the number of the run, for somebody to put the robot there.
+        series: Series to run.
+        folder: Folder for all files.
+        run: Function that operates once and writes into a folder.
+        place: Called before every run with the setting and the number of the run, so that the robot can be placed.
 
     Returns:
-        What became of it. Once the operator stops a run by key, the series ends there.
+        The outcome. The series ends early if the operator stops a run by key.
 
     Raises:
         StorageFailed: If the table cannot be written.
@@ -142,13 +143,13 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
 
 
 def _numbers(name: str, folder: Path) -> list[int]:
-    """Of the runs of a setting that a folder has."""
+    """Return the numbers of the runs of a setting that a folder holds."""
     found = (re.fullmatch(rf"{re.escape(name)}-([1-9][0-9]*)", run) for run in kept_runs(folder))
     return sorted(int(match[1]) for match in found if match is not None)
 
 
 def _stored(operation: Operation, number: int, folder: Path) -> Result:
-    """A run of an earlier call; of one that was killed, as far as its recording goes."""
+    """Return the result of a run of an earlier call; of a killed one, as far as its recording goes."""
     from laticauda.logs import load_trial
 
     path = folder / f"{operation.name}-{number}.nc"
@@ -172,7 +173,7 @@ def _stored(operation: Operation, number: int, folder: Path) -> Result:
 
 
 def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
-    """The table that `laticauda reproduce --repeats` reads: one row per accepted run."""
+    """Write the table that `laticauda reproduce --repeats` reads, with one row per accepted run."""
     rows: list[tuple[object, ...]] = []
     for setting in settings:
         gait = setting.operation.gait

@@ -26,43 +26,43 @@ from laticauda.operate.verdict import Verdict, verdict_of
 from laticauda.trial import Trial, following
 
 TOLD: dict[str, Any] = tomllib.loads(Path(__file__).with_name("figures.toml").read_text())
-"""How the figures of a `run`, and of a `series`, are told."""
-PATIENCE = 10.0  # until what was recorded is on disk [s]
-LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
+"""How the figures of a `run` and of a `series` are shown."""
+PATIENCE = 10.0  # longest wait until the recording is on disk [s]
+LONGEST_PREPARATION = 120.0  # longest time before and after a run, except for settling [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
-    """What became of an operation."""
+    """Outcome of an operation."""
 
     name: str
-    """Of the operation."""
+    """Name of the operation."""
     accepted: bool
-    """Whether the run counts: it began, and was not ended by a fault or by the operator."""
+    """Whether the run counts: neither a fault nor the operator ended it, and its verdict found nothing wrong."""
     reason: str
-    """How it ended, or why it does not count."""
+    """How the run ended, or why it does not count."""
     trial: Trial | None
     """The run; None if there was none."""
     start: tuple[float, float, float] | None = None
-    """Center of mass [m, m] and heading [rad] before it."""
+    """Center of mass [m, m] and heading [rad] before the run."""
     idle_current: float | None = None
-    """I_0 [A]; None where it was not measured."""
+    """I_0 [A]; None: not measured."""
     supply_voltage: float | None = None
     """V of (4) [V]; None without a power meter."""
     notes: tuple[str, ...] = ()
-    """What went wrong and did not stop it."""
+    """Problems that did not stop the run."""
     recording: Path | None = None
-    """The file with everything."""
+    """File of the recording."""
     timing: Timing | None = None
-    """How punctual the loop was; None if it had no clock."""
+    """Punctuality of the loop; None if it had no real clock."""
     aftermath: str = ""
-    """What went wrong while the robot stopped after a run that counts: to be looked at before the next; "" if nothing
+    """What went wrong while the robot stopped after a run that counts, to be inspected before the next; "" if nothing
     did."""
     verdict: Verdict | None = None
-    """What was checked of the run; None if there was none, or it was not recorded."""
+    """Verdict on the run; None if there was no run, or it was not recorded."""
 
     def summary(self) -> dict[str, Any]:
-        """The figures of the run by name, ready for JSON."""
+        """Return the figures of the run by name, ready for JSON."""
         found: dict[str, Any] = {"name": self.name, "accepted": self.accepted, "reason": self.reason}
         if self.start is not None:
             found |= {"initial_cross_track_error": self.start[1], "initial_heading": self.start[2]}
@@ -86,10 +86,10 @@ class Result:
 
 
 def header_of(operator: Operator, text: str = "") -> Header:
-    """What the recording says about an operation.
+    """Return the header of the recording of an operation.
 
     Args:
-        operator: Of the operation.
+        operator: Operator of the operation.
         text: The trial file as it was read.
     """
     how = operator.operation
@@ -126,33 +126,33 @@ def operate(
     """Operate the robot once.
 
     Args:
-        operation: What to do.
-        folder: Where the recording goes, ``NAME.mcap``, and the trial, ``NAME.nc``; ``NAME-2`` and so on where there
-            is one already. None keeps nothing.
-        clock: None: real time.
-        tank: What is operated instead: stepped, without wires and as fast as it goes; where it is, `operation` need not
-            say, only whether there is a power meter.
-        keys: What the operator presses; None: its signals.
-        show: Called with every tick; must be quick.
-        clears: Clear faults of the modules first.
-        check_only: Stop before anything moves.
+        operation: Operation to run.
+        folder: Folder for the recording, ``NAME.mcap``, and the trial, ``NAME.nc``; ``NAME-2`` and so on if there is
+            one already. None: nothing is kept.
+        clock: Clock of the operation; None: real time.
+        tank: Tank to operate instead: stepped, without wires and as fast as possible; `operation` need not give its
+            addresses, only whether there is a power meter.
+        keys: What the operator presses, entered; None: nothing.
+        show: Function that is called with every tick; must be fast.
+        clears: Whether to clear faults of the modules first.
+        check_only: Whether to stop before anything moves.
         text: The trial file as it was read.
-        twin: A simulated robot, the model of motion of the state estimation; None: it does without.
-        frames: Whether the raw frames of the bus are recorded, too.
+        twin: Simulated robot that serves as the motion model of the state estimation; None: it does without.
+        frames: Whether the raw frames of the bus are also recorded.
 
     Returns:
-        What became of it; a refusal or a fault is no exception.
+        The outcome; a refusal or a fault does not raise an exception.
 
     Raises:
         DeviceFailed: If a device cannot be reached.
         StorageFailed: If the recording cannot be written at the start.
-        RuntimeError: If an operation of a tank is never done.
-        ValueError: If something is to be learnt, and there is no `twin`, or nothing can be learnt with it.
+        RuntimeError: If the operation of a tank does not end, or ticks fail again and again.
+        ValueError: If something is to be learned, but there is no `twin`, or nothing can be learned with it.
     """
     if folder is not None:
         operation = replace(operation, name=_free_name(operation.name, folder))
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
-    header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
+    header = header_of(operator, text)  # rejects an unsuitable robot before anything is connected
     keys, learner = keys or terminal.Keys(), _learner(operator)
     path = None if folder is None else folder / f"{operation.name}.mcap"
     with ExitStack() as stack:
@@ -184,7 +184,7 @@ def operate(
 
 
 def _learner(operator: Operator) -> Learner | None:
-    """What learns from the recording, if anything is to be learnt."""
+    """Return the learner that learns from the recording; None if nothing is to be learned."""
     how, twin = operator.operation, operator.twin
     if how.learning is None:
         return None
@@ -194,7 +194,7 @@ def _learner(operator: Operator) -> Learner | None:
 
 
 def _with_news(show: loop.Show, sink: Sink | Writer) -> loop.Show:
-    """The same, with what was learnt meanwhile among the entries."""
+    """Wrap a function so that its entries include what was learned in the meantime."""
 
     def shown(state: OperatorState, outputs: Outputs) -> None:
         news = [sink.news.popleft() for _ in range(len(sink.news))]
@@ -204,7 +204,7 @@ def _with_news(show: loop.Show, sink: Sink | Writer) -> loop.Show:
 
 
 def _spoken(operation: settings.Operation, path: Path, twin: Plant[Any] | None) -> Verdict | None:
-    """The verdict on the run in a recording that is still open; None where that cannot be read, or has no end."""
+    """Return the verdict on the run in a recording that is still open; None if that cannot be read, or has no end."""
     try:
         recording, patience = logs.open_recording(path), time.monotonic() + PATIENCE
         while not any("-> done" in one.content["msg"] for one in recording.more("/events")):
@@ -217,12 +217,12 @@ def _spoken(operation: settings.Operation, path: Path, twin: Plant[Any] | None) 
 
 
 def kept_runs(folder: Path) -> set[str]:
-    """Names of the runs that a folder has, whatever became of them."""
+    """Return the names of all runs in a folder, whatever their outcome."""
     return {path.stem for path in folder.glob("*") if path.suffix in (".mcap", ".nc")}
 
 
 def _free_name(name: str, folder: Path) -> str:
-    """What a run is called in a folder that may have some of this name."""
+    """Return a name for a run that no run in the folder has yet."""
     names, taken = itertools.chain((name,), (f"{name}-{number}" for number in itertools.count(2))), kept_runs(folder)
     return next(one for one in names if one not in taken)
 
@@ -234,14 +234,14 @@ def result_of(
     timing: Timing | None,
     verdict: Verdict | None = None,
 ) -> Result:
-    """What became of an operation, out of its last state and its recording.
+    """Return the outcome of an operation, from its last state and its recording.
 
     Args:
-        operator: Of the operation.
-        state: The last one.
-        recording: The closed file; None if nothing was recorded.
-        timing: Of the loop; None if it had none.
-        verdict: On the run; None where there is none.
+        operator: Operator of the operation.
+        state: Last state.
+        recording: Closed file of the recording; None if nothing was recorded.
+        timing: Punctuality of the loop; None: not known.
+        verdict: Verdict on the run; None: there is none.
     """
     trial: Trial | None = None
     if recording is not None and state.begun is not None:
@@ -270,7 +270,7 @@ def result_of(
 
 
 def _aftermath(state: OperatorState) -> str:
-    """What became of the robot after the run was over: it takes nothing from the run, but keeps it from the next."""
+    """Return what happened to the robot after the run; it does not affect the run, but prevents the next."""
     cause = state.supervisor.cause
     if cause not in BY_EVENT or not state.supervisor.is_fault:
         return ""
@@ -278,7 +278,7 @@ def _aftermath(state: OperatorState) -> str:
 
 
 def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
-    """Whether the run counts, and how it ended."""
+    """Return whether the run counts, and how it ended."""
     if operator.check_only and not state.failure:
         return True, "All devices are well."
     if state.begun is None:
@@ -292,10 +292,10 @@ def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
 
 
 def table(summary: Mapping[str, Any]) -> str:
-    """A summary in words, one figure a line.
+    """Return a summary as text, one figure per line.
 
     Args:
-        summary: Of a `Result`.
+        summary: Summary of a `Result`.
     """
     lines = [f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"]
     for name, (says, unit, digits) in TOLD["run"].items():

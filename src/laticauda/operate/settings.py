@@ -1,4 +1,4 @@
-"""What one operation is: gait or path, start, connections, tank, calibration and limits; and series; their TOML files.
+"""Settings of operations (gait or path, start, devices, tank, calibration, limits) and of series; their TOML files.
 
     kind = "trial"
     name = "line-1"
@@ -14,12 +14,12 @@
     [following]                    # left out: open loop
     look_ahead_distance = 0.18
 
-Tables and keys are the fields of `Operation` and of what it holds, read strictly. Units are SI; an angle may be given
-in degrees under its name with ``_deg``, an angular rate with ``_deg_s``. A series file has the kind ``series``, the
-number of `repeats`, the table ``[common]`` with what all trials share, and a list ``[[trials]]`` of what differs.
+Tables and keys are the fields of `Operation` and of the classes it holds, read strictly. Units are SI; an angle may be
+given in degrees with the suffix ``_deg``, an angular rate with ``_deg_s``. A series file has the kind ``series``, the
+number of `repeats`, a table ``[common]`` of what all trials share, and a list ``[[trials]]`` of what differs.
 
-Two frames: the tank frame is the one that the motion capture was calibrated to; the path frame is the world of
-everything else, with the path along its x axis in the paper's trials.
+There are two frames. The tank frame is the one to which the motion capture was calibrated; the path frame is the world
+frame of everything else, with the path along its x axis in the paper's trials.
 """
 
 import math
@@ -39,13 +39,13 @@ from laticauda.protocol.can import GROUP, PORT
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water, load_robot
 
-Vector: TypeAlias = NDArray[np.float64]  # two or three axes
+Vector: TypeAlias = NDArray[np.float64]  # two or three components
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
 
 
 @value
 class Placement:
-    """Where the robot is to be put before the run, path frame."""
+    """Where the robot has to be placed before the run, in the path frame."""
 
     position: tuple[float, float] = quantity("m", "of the center of mass")
     heading: float = quantity("rad", "of the robot", default=0.0)
@@ -55,9 +55,9 @@ class Placement:
 
 @value
 class Connection:
-    """Which driver each device has, and where the device is; what its address looks like, the driver says.
+    """Driver and address of each device; the driver defines what an address looks like.
 
-    `laticauda drivers` lists the drivers that there are, and tries one alone.
+    `laticauda drivers` lists the available drivers, and tries a single one.
     """
 
     bus: str = option("driver of the modules' bus", default="can")
@@ -71,38 +71,38 @@ class Connection:
     stop_address: str = option('where it is; "" for none', default="")
 
     def __post_init__(self) -> None:
-        """Refuse drivers that nobody knows, and addresses that are none to them."""
+        """Reject unknown drivers, and addresses that are invalid for their driver."""
         for kind in drivers.KINDS:
             name, address = self.of(kind)
             if address or kind in ("bus", "mocap"):
                 drivers.driver_named(kind, name, address)
 
     def of(self, kind: str) -> tuple[str, str]:
-        """Driver and address of a device of this `kind`, one of `drivers.KINDS`."""
+        """Return driver and address of the device of this `kind`, one of `drivers.KINDS`."""
         return getattr(self, kind), getattr(self, f"{kind}_address")
 
     def opened(self, kind: str, clock: drivers.Clock) -> Any:
-        """The driver of a device, connected.
+        """Connect to a device, and return its driver.
 
         Args:
             kind: One of `drivers.KINDS`.
-            clock: What stamps what comes in.
+            clock: Clock that timestamps incoming data.
 
         Raises:
-            DeviceFailed: If it cannot be reached; the message says what to check.
+            DeviceFailed: If the device cannot be reached; the message says what to check.
             MissingExtra: If a library is not installed.
         """
         more = {"body": self.mocap_body} if kind == "mocap" else {}
         return drivers.driver_named(kind, *self.of(kind))(self.of(kind)[1], clock, **more)
 
     def at(self, **typed: str | None) -> "Connection":
-        """The same with other devices, as somebody types them.
+        """Return a copy with other devices, given in the form in which users type them.
 
         Args:
-            typed: By kind: DRIVER@ADDRESS, or ADDRESS for the same driver; None: as it is.
+            typed: By kind: DRIVER@ADDRESS, or ADDRESS for the same driver; None: unchanged.
 
         Raises:
-            ValueError: If one is none.
+            ValueError: If a driver is unknown, or an address is invalid.
         """
         changes: dict[str, str] = {}
         for kind, text in typed.items():
@@ -116,7 +116,7 @@ class Connection:
 
 @value
 class CaptureVolume:
-    """What the motion capture covers of the tank, and where the path lies in it; tank frame."""
+    """Part of the tank that the motion capture covers, and where the path lies in it; tank frame."""
 
     volume_x: tuple[float, float] = quantity("m", "measuring volume along the tank", default=(0.0, 12.0))
     volume_y: tuple[float, float] = quantity("m", "across it", default=(-2.725, 2.725))
@@ -125,41 +125,41 @@ class CaptureVolume:
     surface: float = quantity("m", "height of the water's surface, at which the path frame has 0", default=0.0)
 
     def __post_init__(self) -> None:
-        """Refuse a volume that is turned inside out."""
+        """Reject a volume whose limits are in the wrong order."""
         for name in ("volume_x", "volume_y"):
             low, high = getattr(self, name)
             if low >= high:
                 raise BadArgument(name, f"must be a smaller and a greater number in m, got {(low, high)!r}")
 
     def to_path(self, position: Vector) -> Vector:
-        """A position of the tank frame in the path frame [m]."""
+        """Transform a position from the tank frame to the path frame [m]."""
         return np.array([*seen_from(self.path_origin, self.path_heading, position), *(position[2:] - self.surface)])
 
     def to_tank(self, position: Vector) -> Vector:
-        """A position of the path frame in the tank frame [m]."""
+        """Transform a position from the path frame to the tank frame [m]."""
         x, y = seen_from((0.0, 0.0), -self.path_heading, position)
         return np.array([self.path_origin[0] + x, self.path_origin[1] + y, *(position[2:] + self.surface)])
 
     def room(self, position: Vector, velocity: Vector) -> float:
-        """Distance to the edge that the robot moves to; infinite if it moves to none [m].
+        """Return the distance to the edge that the robot moves toward; infinite if it moves toward none [m].
 
         Args:
-            position: Tank frame [m].
-            velocity: Tank frame [m/s].
+            position: Position in the tank frame [m].
+            velocity: Velocity in the tank frame [m/s].
         """
         room = math.inf
         for (low, high), at, speed in zip((self.volume_x, self.volume_y), position[:2], velocity[:2], strict=True):
-            if abs(speed) > 0.01:  # one that lies still at the edge may swim away from it
+            if abs(speed) > 0.01:  # a robot at rest at the edge may swim away from it
                 room = min(room, high - at if speed > 0.0 else at - low)
         return float(room)
 
 
 @value
 class Calibration:
-    """What is measured before a run.
+    """Settings of the measurements before a run.
 
-    With `joint_zeros`, what the limp joints report becomes zero if a module has no zero since its power came on: the
-    robot must lie straight then, against a ruler. With `straight_heading`, `marker_yaw` is measured.
+    With `joint_zeros`, the reported angles of the limp joints become zero if a module has had no zero since power-on;
+    the robot must then lie straight, against a ruler. With `straight_heading`, `marker_yaw` is measured.
     """
 
     joint_zeros: bool = option("whether joint zeros are measured", default=False)
@@ -176,17 +176,17 @@ class Calibration:
 
     @property
     def mount(self) -> estimation.Mount:
-        """Where the rigid body of the motion capture sits."""
+        """Where the rigid body of the motion capture is mounted."""
         return estimation.Mount(module=self.marker_module, offset=self.marker_offset, angle=self.marker_yaw)
 
 
 @value
 class Limits:
-    """What the safety supervisor accepts.
+    """Limits that the safety supervisor enforces.
 
-    `current_time` is longer than the servos of the model stall under the water's load, about 2 s with the fin.
-    `max_joint_error` is wide, for they lag by up to 47 deg for 1.3 s when a hard turn and the gait begin at once. The
-    modules hold after 0.2 s without references, so `max_lateness` is less.
+    `current_time` is longer than the model's servos stall under the water's load, about 2 s with the fin.
+    `max_joint_error` is wide because they lag by up to 47 deg for 1.3 s when a hard turn and the gait begin at the same
+    time. `max_lateness` is less than the 0.2 s after which the modules hold without references.
     """
 
     max_temperature: float = quantity("degC", "of a module", gt=0.0, default=70.0)
@@ -208,9 +208,9 @@ class Limits:
 
 @value
 class Acceptance:
-    """What a run is accepted with that reached its end: the limits of `laticauda.operate.verdict`, one for each check.
+    """Limits for accepting a run that reached its end, one for each check of `laticauda.operate.verdict`.
 
-    Those of speed, sideslip and turning are for what changes in the run beside the model; `model_speed` is noted only.
+    Those of speed, sideslip and turning limit changes in the run relative to the model; `model_speed` is only noted.
     """
 
     joint_error: float = quantity("rad", "a joint off what its servo can follow", gt=0.0, default=math.radians(3.0))
@@ -256,7 +256,7 @@ class Operation:
     learning: estimation.Learning | None = option("what a twin learns meanwhile; None: nothing", default=None)
 
     def __post_init__(self) -> None:
-        """Check what depends on two fields, and the name."""
+        """Check the name, and the rules that involve two fields."""
         if not self.name.replace("-", "").replace("_", "").isalnum():
             raise BadArgument("name", f"must be letters, digits, `-` and `_`, as in a file's name, got {self.name!r}")
         if self.supply_voltage is None and self.connection.meter_address:
@@ -271,10 +271,10 @@ class Operation:
         return self.gait.pitch is not None or (self.following is not None and self.following.path_depth is not None)
 
     def body(self) -> Robot:
-        """The robot.
+        """Return the robot.
 
         Raises:
-            RobotFileError: If there is none of that name, or its file is wrong.
+            RobotFileError: If there is no robot of that name, or its file is invalid.
             ValueError: If its joints cannot do what the controller may command.
         """
         robot = load_robot(self.robot)
@@ -284,23 +284,23 @@ class Operation:
         return robot
 
     def pool(self) -> Water:
-        """The water."""
+        """Return the water."""
         return scenarios.water_for(load_robot(self.robot), self.water)
 
     def controller(self) -> interfaces.Controller[Any]:
-        """What decides: the same object as in simulation."""
+        """Return the controller: the same object as in simulation."""
         if self.following is None:
             return interfaces.OpenLoop(command=interfaces.Command(gait=self.gait))
         return self.following.controller(self.gait)
 
 
 class OperationFileError(LaticaudaError, ValueError):
-    """A trial or series file is wrong: it says which file, key, rule and value."""
+    """A trial or series file is invalid; the message gives the file, the key, the rule and the value."""
 
 
 @value
 class SeriesFile:
-    """What a series file says."""
+    """Content of a series file."""
 
     name: str = option("what its folder is called")
     repeats: int = quantity("", "how often every setting is run", ge=1, default=1)
@@ -308,7 +308,7 @@ class SeriesFile:
     trials: tuple[Operation, ...] = option("the settings, in their order")
 
     def __post_init__(self) -> None:
-        """Refuse no trials, and two of one name."""
+        """Reject a series without trials, and trials of the same name."""
         if not self.trials:
             raise BadArgument("trials", "must hold at least one trial, got none")
         names = [operation.name for operation in self.trials]
@@ -321,27 +321,27 @@ def load_operation(path: str | Path) -> Operation | SeriesFile:
     """Read a trial or series file.
 
     Args:
-        path: Of the TOML file.
+        path: Path of the TOML file.
 
     Returns:
         The `Operation` of a trial file, or the `SeriesFile`.
 
     Raises:
-        OperationFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the
-            rule and the value.
+        OperationFileError: If the file cannot be read, or anything in it is invalid; the message gives the file, the
+            key, the rule and the value.
     """
     return parse_operation(files.read_text(path, OperationFileError), str(path))
 
 
 def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
-    """The same from a text.
+    """Parse the text of a trial or series file.
 
     Args:
-        text: TOML.
-        shown: What messages call it.
+        text: Text in TOML.
+        shown: Name of the text in messages.
 
     Raises:
-        OperationFileError: As `load_operation`.
+        OperationFileError: Under the same conditions as in `load_operation`.
     """
     table = files.parse_toml(text, shown, OperationFileError)
     with codec.keys_of(shown, OperationFileError):
@@ -351,7 +351,7 @@ def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
 
 
 def _with_common(table: codec.Table) -> codec.Table:
-    """A series with what all trials share put into every one of them."""
+    """Return the table of a series with the common settings merged into every trial."""
     common, trials = codec.table_of(table.pop("common", {}), "common"), table.get("trials")
     if isinstance(trials, list):
         entries = [codec.table_of(entry, f"trials[{i}]") for i, entry in enumerate(cast("list[object]", trials))]

@@ -1,9 +1,9 @@
-"""The operator's terminal: keys that stop the robot, and what is to be seen, a dashboard or plain lines.
+"""The operator's terminal: keys that stop the robot, and the display, a dashboard or plain lines.
 
-Space, q or Ctrl-C straighten and stop the robot, the second one is the emergency stop.
+Space, q or Ctrl-C straightens and stops the robot; the second time, it triggers the emergency stop.
 """
 
-# rich is typed; its renderables are many, so `Any` stands for them.
+# rich is typed but has many kinds of renderables; `Any` stands for all of them.
 
 import contextlib
 import math
@@ -27,12 +27,12 @@ from laticauda.protocol import NodeState, worker
 
 STOP, EMERGENCY = "operator_key", "emergency_key"
 WORDS = {b" ": "by space", b"q": "by q", b"Q": "by q"}
-"""Keys of a terminal that stop, and how the log calls them."""
-LOOK = 0.1  # how often a terminal's thread looks whether it is to end [s, wall clock]
+"""Terminal keys that stop the robot, and how the log describes them."""
+LOOK = 0.1  # interval at which the terminal's thread checks whether to end [s, wall clock]
 
 
 class Keys:
-    """What the operator has pressed so far; within a `with` block, also by signals."""
+    """Keys that the operator has pressed so far; within a `with` block, signals count as well."""
 
     def __init__(self) -> None:
         self._pressed: dict[str, str] = {}
@@ -40,38 +40,38 @@ class Keys:
 
     @property
     def events(self) -> dict[str, str]:
-        """For the supervisor: a key that was pressed stays pressed."""
+        """Events for the supervisor; a key that was pressed stays pressed."""
         return dict(self._pressed)
 
     def stop(self, how: str = "by key") -> None:
-        """Straighten and stop; the second time, the emergency stop.
+        """Request to straighten and stop; the second time, request the emergency stop.
 
         Args:
-            how: It was asked for.
+            how: How it was requested, for the log.
         """
         self._pressed.setdefault(EMERGENCY if STOP in self._pressed else STOP, how)
 
     def __enter__(self) -> Self:
-        """Take the signals; only the main thread of a program can."""
+        """Install the signal handlers; only possible in the main thread of a program."""
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM):
                 self._before[number] = signal.signal(number, lambda n, _: self.stop(f"by {signal.Signals(n).name}"))
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Give the signals back."""
+        """Restore the previous signal handlers."""
         for number, handler in self._before.items():
             signal.signal(number, handler)
         self._before.clear()
 
 
 class Terminal(worker.Worker[None]):
-    """Single keys of a terminal, without Enter, as long as a `with` block lasts; nothing where there is no terminal.
+    """Reader of single keys, without Enter, within a `with` block; does nothing if there is no terminal.
 
-    The terminal is as it was afterwards. Ctrl-C stays a signal. Who runs the program in the background has no keys.
+    The terminal is restored afterwards. Ctrl-C remains a signal. A program in the background reads no keys.
 
     Args:
-        keys: What is told of them.
+        keys: Object that registers the keys pressed.
         stream: The terminal; None: standard input.
     """
 
@@ -81,7 +81,7 @@ class Terminal(worker.Worker[None]):
         self._before: list[Any] | None = None
 
     def __enter__(self) -> Self:
-        """Take the keys one by one, unseen."""
+        """Read keys one by one, without echo."""
         try:
             import termios
             import tty
@@ -92,11 +92,11 @@ class Terminal(worker.Worker[None]):
                 tty.setcbreak(number)
                 self._start()
         except (ImportError, AttributeError, OSError, ValueError):
-            pass  # another operating system, or no terminal: Ctrl-C is left
+            pass  # another operating system, or no terminal: only Ctrl-C works
         return self
 
     def release(self) -> None:
-        """Give the terminal back as it was."""
+        """Restore the terminal."""
         if self._before is not None:
             import termios
 
@@ -115,37 +115,37 @@ class Terminal(worker.Worker[None]):
 
 
 def _in_front(number: int) -> bool:
-    """Whether this program is the one that its terminal listens to; one in the background must not touch it."""
+    """Return whether this program is in the foreground of its terminal; otherwise it must not change the terminal."""
     try:
         return os.tcgetpgrp(number) == os.getpgrp()
-    except OSError:  # not the terminal that controls this program: nobody else is in front of it
+    except OSError:  # not the controlling terminal of this program: no other program is in its foreground
         return True
 
 
 REFRESH = 0.2  # [s, wall clock]
 LAST_EVENTS = 6
-RECENT = 1000  # ticks whose lateness is told
+RECENT = 1000  # number of ticks whose lateness is shown
 COLORS = {"idle": "white", "ready": "cyan", "running": "green", "stopping": "yellow", "fault": "red"}
 STATE_COLORS = {NodeState.ACTIVE: "green", NodeState.HOLD: "yellow", NodeState.LIMP: "yellow", NodeState.FAULT: "red"}
 
 
 def print_events(state: OperatorState, outputs: Outputs) -> None:
-    """Write the events of one tick to standard error, a line each; takes what is called with every tick."""
+    """Write the events of one tick to standard error, one per line; can be passed as a callback for every tick."""
     for event in outputs.events:
         if event.kind != "phase":
             sys.stderr.write(f"{line_of(event)}\n")
 
 
 def line_of(event: Event) -> str:
-    """An event as a line: time, kind, message."""
+    """Return an event as one line: time, kind, message."""
     return f"{event.time:8.2f} s  {event.kind.replace('_', ' '):<13} {event.message}"
 
 
 class Dashboard:
-    """Modules, pose, state and events, drawn again and again by a thread of rich's, as long as a `with` block lasts.
+    """Live display of modules, pose, state and events, redrawn by a thread of rich within a `with` block.
 
     Args:
-        operation: What is operated.
+        operation: Operation that is displayed.
     """
 
     def __init__(self, operation: Operation) -> None:
@@ -157,7 +157,7 @@ class Dashboard:
         self._live: Any = _rich("live").Live(get_renderable=self._drawn, **often)
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
-        """Take one tick; drawing it is the thread's business."""
+        """Take in one tick; the thread draws it."""
         self._state = state
         for tick in (entry for entry in outputs.entries if isinstance(entry, Tick)):
             self._late.append(tick.began - tick.due)
@@ -176,23 +176,23 @@ class Dashboard:
         return picture(self._operation, self._state, self._events, loop)
 
     def __enter__(self) -> Self:
-        """Begin to draw."""
+        """Start drawing."""
         self._live.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Draw the end, and give the terminal back."""
+        """Draw the final state, and release the terminal."""
         self._live.stop()
 
 
 def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...], loop: str = "") -> Any:
-    """The dashboard as something that rich can print.
+    """Return the dashboard as a renderable of rich.
 
     Args:
-        operation: What is operated.
-        state: After the latest tick.
-        events: The latest ones.
-        loop: How punctual it is.
+        operation: Operation that is displayed.
+        state: State after the latest tick.
+        events: The latest events.
+        loop: Text about the punctuality of the loop.
     """
     columns = _rich("columns").Columns([_modules(state.modules), _pose(operation, state)], padding=(0, 2))
     log = _rich("text").Text("\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis")
@@ -203,7 +203,7 @@ def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...
 
 
 def _head(operation: Operation, state: OperatorState) -> Any:
-    """State, phase and time on one line."""
+    """Return state, phase and time as one line."""
     supervisor = state.supervisor
     phase = state.phase.replace("_", " ")
     steps = f"{PHASES.index(state.phase) + 1}/{len(PHASES)}"
@@ -220,7 +220,7 @@ def _head(operation: Operation, state: OperatorState) -> Any:
 
 
 def _modules(modules: limits.Modules) -> Any:
-    """A row per module."""
+    """Return a table with one row per module."""
     table = _rich("table").Table(box=None, pad_edge=False, header_style="bold")
     for name, width in (("node", 4), ("state", 11), ("angle", 9), ("current", 8), ("temp.", 7), ("supply", 7)):
         table.add_column(name, justify="left" if name == "state" else "right", min_width=width)
@@ -242,7 +242,7 @@ def _modules(modules: limits.Modules) -> Any:
 
 
 def _pose(operation: Operation, state: OperatorState) -> Any:
-    """Where the robot is, and what it draws."""
+    """Return a table of the robot's pose and the current it draws."""
     table = _rich("table").Table.grid(padding=(0, 2))
     estimate = state.estimate
     rows: list[tuple[str, str]] = []
@@ -274,5 +274,5 @@ def _number(value: float, digits: int, unit: str) -> str:
 
 
 def _rich(name: str) -> Any:
-    """A module of rich."""
+    """Import a module of rich."""
     return optional_import("The dashboard", "rich", "hardware", f"rich.{name}")

@@ -1,9 +1,10 @@
-"""Whether a run that reached its end is right: what was checked, how near each came to its limit, and since when.
+"""Verdict on a run that reached its end: the checks, how close each came to its limit, and since when it exceeded it.
 
-The yardstick is the same robot simulated with servos in its joints, which gets the very references that were sent. So a
-joint may do whatever lies between its reference and what its servo makes of it under the water's load. How fast the
-robot swims may differ from the model, which may be wrong: that is noted. That it *changes* while the model does not
-says that something happened to robot, cameras or water, and rejects the run. docs/theory/verdict.md has it in full.
+The yardstick is a simulation of the same robot with servos in its joints, driven by the references that were sent. A
+joint may therefore lie anywhere between its reference and the angle that its servo reaches under the water's load. A
+speed that differs from the model's is only noted, because the model may be wrong. A speed that *changes* while the
+model's does not shows that something happened to robot, cameras or water, and rejects the run. For details, see
+docs/theory/verdict.md.
 """
 
 import math
@@ -25,37 +26,37 @@ from laticauda.operate.settings import Acceptance
 from laticauda.quantities import quantities_of, texts_of
 
 STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
-CYCLE, POINTS = 2.0, 100  # of a gait that has no frequency [s]; at which a cycle is looked at
-FRAMES, GAP = 7, 0.3  # of the cameras, whose median counts, for single ones may be wrong; between them at most [s]
-TURNS, LEAST = 5, 1e-3  # cycles over which turning is averaged; of a cycle, for a gait that hardly goes ahead [m]
+CYCLE, POINTS = 2.0, 100  # cycle of a gait without a frequency [s]; points at which a cycle is evaluated
+FRAMES, GAP = 7, 0.3  # camera frames in a running median, as single ones may be wrong; longest gap between them [s]
+TURNS, LEAST = 5, 1e-3  # cycles over which turning is averaged; least advance per cycle, if a gait hardly moves [m]
 
 STEERS = 0.1  # share by which a robot may turn more or less than the model when it bends [-]
-BEFORE, LATENCY = 2.0, 0.01  # of the straight robot before the run; by which the smallest one of frames may change [s]
+BEFORE, LATENCY = 2.0, 0.01  # time before the run, robot straight; change allowed in the frames' smallest latency [s]
 NOTED = ("model_speed", "without_zero")
-"""Checks that reject no run."""
+"""Checks that never reject a run."""
 Array: TypeAlias = NDArray[np.float64]
 Found: TypeAlias = tuple[Any, Array, str]
-"""When a check's values were known [s], the values, and where the worst is."""
+"""Times at which a check's values were known [s], the values, and where the worst is."""
 NOTHING: Found = (), np.empty(0), ""
 
 
 class Check(NamedTuple):
-    """One thing that was checked."""
+    """Result of one check."""
 
     name: str
-    """Of the field of `Acceptance` that has its limit."""
+    """Name of the field of `Acceptance` that holds its limit."""
     value: float | None
-    """The worst of it; None: it could not be checked."""
+    """Worst value; None: it could not be checked."""
     limit: float
-    """Beyond which it is wrong."""
+    """Limit beyond which it is wrong."""
     share: float | None
-    """Of the limit that was used [-]."""
+    """Share of the limit that was used [-]."""
     since: float | None
-    """When it was first known to be beyond its limit [s since the run began]; None: never."""
+    """Time at which it was first known to exceed its limit [s since the run began]; None: never."""
     word: str
-    """What became of it: `ok`, `WRONG`, `noted` or `not checked`."""
+    """Outcome: `ok`, `WRONG`, `noted` or `not checked`."""
     says: str
-    """The same in words."""
+    """Description of the result."""
 
 
 @dataclass(frozen=True)
@@ -63,31 +64,31 @@ class Verdict:
     """All checks of one run."""
 
     checks: tuple[Check, ...]
-    """One for each limit."""
+    """Checks, one for each limit."""
     is_cut: bool = False
-    """Whether the run ended at an edge before a cycle was whole: then nothing vouches for it, nor for the edge."""
+    """Whether the run ended at an edge before one cycle was complete, so that nothing confirms the run or the edge."""
 
     @property
     def reason(self) -> str:
-        """What is wrong first, in a sentence; "" if the run is accepted."""
+        """First fault found, as a sentence; "" if the run is accepted."""
         wrong = [check.says for check in self.checks if check.word == "WRONG"]
         wrong += ["it came to an edge before a cycle was whole, and nothing vouches for it"] if self.is_cut else []
         return f"The run is not right: {wrong[0]}." if wrong else ""
 
     def summary(self) -> dict[str, Any]:
-        """Ready for JSON, and for a recording."""
+        """Return the verdict in a form ready for JSON and for a recording."""
         lines = [f"{check.word:<11} {check.says}" for check in self.checks]
         return {"accepted": not self.reason, "checks": [check._asdict() for check in self.checks], "lines": lines}
 
 
 def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None = None) -> Verdict:
-    """Look through a recorded run.
+    """Check a recorded run.
 
     Args:
         log: The recording.
-        limits: What is right.
-        plant: The same robot in its water with servos in its joints; None, or an operation in depth: what needs it is
-            not checked, and of a joint its mean and its swing alone, of which it may lack half.
+        limits: Limits of what is accepted.
+        plant: The same robot in its water with servos in its joints. If it is None, or for an operation in depth, what
+            needs it is not checked, and of a joint only its mean and its swing, which may be off by half.
     """
     run = _Run(log, plant)
     found, events = dict(run.checked()), [one.data.get("event") for one in log.of(Event)]
@@ -96,7 +97,7 @@ def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None =
 
 
 def _check(limits: Acceptance, name: str, begin: float, times: Any, values: Array, where: str) -> Check:
-    """Some values beside their limit."""
+    """Compare some values with their limit."""
     limit, says = float(getattr(limits, name)), texts_of(Acceptance)[name]
     if not np.isfinite(values).any():
         return Check(name, None, limit, None, None, "not checked", says)
@@ -110,11 +111,11 @@ def _check(limits: Acceptance, name: str, begin: float, times: Any, values: Arra
 
 
 def spoken(log: OperationLog, plant: Callable[..., Plant[Any]]) -> Mapping[str, Any]:
-    """The summary of the verdict that a recording holds; of one that was not completed, by the usual limits.
+    """Return the summary of the verdict that a recording holds; if it holds none, judge it by the default limits.
 
     Args:
         log: The recording.
-        plant: `laticauda.plant`, which makes the robot to compare with.
+        plant: `laticauda.plant`, which builds the robot to compare with.
     """
     found, run = [one.data for one in log.of(Event) if one.kind == "verdict"], log.header.run
     if found:
@@ -123,7 +124,7 @@ def spoken(log: OperationLog, plant: Callable[..., Plant[Any]]) -> Mapping[str, 
 
 
 class _Run:
-    """The run of a recording, cycle by cycle, and the same by the model."""
+    """The run of a recording, cycle by cycle, and the same run by the model."""
 
     def __init__(self, log: OperationLog, plant: Plant[Any] | None) -> None:
         self.log, self.begin = log, log.span[0]
@@ -147,7 +148,7 @@ class _Run:
         self.model: tuple[Array, ...] = self._modelled(plant) if plant is not None and fits and in_plane else ()
 
     def checked(self) -> Iterator[tuple[str, Found]]:
-        """All that can be."""
+        """Yield the values of all checks that can be made."""
         yield from self._before()
         if len(self.samples) > 1 and all(one.rate is not None for one in self.samples):
             yield from self._jumps()
@@ -160,11 +161,11 @@ class _Run:
         return np.array([getattr(one, name) for one in self.samples], dtype=float)
 
     def _at(self, when: Any, values: Any) -> Array:
-        """What was measured at some times, straight between those that are known: by cycle, point and column."""
+        """Interpolate measured values linearly to the points of all cycles: by cycle, point and column."""
         return interpolated(self.grid, np.array(when), np.array(values, dtype=float).reshape(len(when), -1))
 
     def _modelled(self, plant: Plant[Any]) -> tuple[Array, ...]:
-        """Time, joint angles, place, heading, and angle of the markers' link by the model; () if that fails."""
+        """Return the model's time, joint angles, place, heading, and angle of the markers' link; () if it fails."""
         first, ticks = self.estimates[0], [one.time for one in self.references]
         x, y = first.center_of_mass.tolist()
         state = plant.init(Start(center_of_mass=(x, y), heading=first.heading), Command(gait=STILL))
@@ -180,14 +181,14 @@ class _Run:
         return np.array(ticks[1:]), *(np.array(one) for one in zip(*rows, strict=True))
 
     def _before(self) -> Iterator[tuple[str, Found]]:
-        """The modules' zeros; the straight robot's drift; how far the cameras' clock is, and goes, from ours."""
+        """Yield the age of poses, the modules' zeros, the straight robot's drift and that of the cameras' clock."""
         if self.estimates:
             age = float(np.median([one.age for one in self.estimates]))
             yield "pose_age", ([self.estimates[-1].time], np.array([age]), "")
         events: list[Event] = self.log.of(Event)
         unset = [float(one.data.get("without_zero", 0)) for one in events if one.kind == "calibrating"]
         yield "without_zero", ([self.begin], np.array(unset[-1:]), "")
-        # Joint zeros that are set move what is estimated.
+        # Setting joint zeros moves the estimate.
         since = max([self.begin - BEFORE, *(one.time + GAP for one in events if one.kind == "calibrating")])
         still = [one for one in self.log.of(Estimate) if since <= one.time <= self.begin and one.age < GAP]
         if len(still) > 1 and still[-1].time - still[0].time > 0.5 * BEFORE:
@@ -203,7 +204,7 @@ class _Run:
             yield "clock_drift", ([end], np.array([drift]), "")
 
     def _joints(self) -> Iterator[tuple[str, Found]]:
-        """Every joint over every cycle, how far it is from the way between reference and servo."""
+        """Yield how far every joint is, over every cycle, from the segment between reference and servo."""
         ticks = self._columns("time")
         measured = self._at(ticks, self._columns("angle"))[..., self.driven]
         held = np.searchsorted([one.time for one in self.references], self.grid, side="right") - 1
@@ -213,13 +214,13 @@ class _Run:
             lag = self._at(self.model[0], self.model[1]) - asked
             share = np.sum(error * lag, axis=1) / np.maximum(np.sum(lag * lag, axis=1), 1e-12)
             off = np.sqrt(np.mean((error - np.clip(share, 0.0, 1.0)[:, np.newaxis] * lag) ** 2, axis=1))
-        else:  # how late a servo may be, nobody says: only how far and about what it swings
+        else:  # the lag of the servo is unknown: check only how far and about what it swings
             off = np.maximum(np.abs(error.mean(axis=1)), np.abs(measured.std(axis=1) - swing) - 0.5 * swing)
-            off[0] = 0.0  # it began at rest
+            off[0] = 0.0  # the run began at rest
         yield "joint_error", (self.ends, off.max(axis=1), f"module {self.driven[int(off.max(axis=0).argmax())] + 1}")
 
     def _jumps(self) -> Iterator[tuple[str, Found]]:
-        """How far each answer of a module is from the one before it, beside its rate; within a cycle, too."""
+        """Yield the jumps of angle between answers of a module that its rate does not explain; within a cycle, too."""
         ticks, rate = self._columns("time"), self._columns("rate")
         step = np.diff(ticks)[:, np.newaxis]
         went = np.diff(self._columns("angle"), axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
@@ -227,7 +228,7 @@ class _Run:
         yield "angle_jump", (ticks[1:], jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
 
     def _motion(self) -> Iterator[tuple[str, Found]]:
-        """What the cameras see beside the model: the markers, and speed, sideslip and turning, which may not change."""
+        """Yield what the cameras see compared with the model: markers, and changes of speed, sideslip and turning."""
         ticks = [one.time for one in self.estimates]
         seen = self.seen
         time, yaw = np.array([one.time for one in seen]), np.unwrap([self.mount.link_yaw(one.rotation) for one in seen])
@@ -250,7 +251,7 @@ class _Run:
         yield "sideslip_change", (self.ends[1:], _spread((aside - usual_aside) / usual), "")
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
         turned, usual_turn = (np.diff(one[1:, [0, -1]])[:, 0] for one in (heading, model_heading[..., 0]))
-        turned -= usual_turn  # and what is in proportion to how the model turns
+        turned -= usual_turn  # next, remove what is proportional to the model's turning
         turned -= usual_turn * np.clip(turned @ usual_turn / max(usual_turn @ usual_turn, 1e-12), -STEERS, STEERS)
         if turned.size >= TURNS:
             mean = np.lib.stride_tricks.sliding_window_view(turned, TURNS).mean(axis=1)
@@ -258,25 +259,25 @@ class _Run:
 
 
 def _typical(values: Any) -> Array:
-    """Running medians of the rows, so that single wrong frames do not count."""
+    """Return running medians of the rows, so that single wrong frames do not count."""
     rows = np.asarray(values, float)
     around = np.concatenate((rows[: FRAMES // 2], rows, rows[-(FRAMES // 2) :]))
     return np.median(np.lib.stride_tricks.sliding_window_view(around, FRAMES, axis=0), axis=-1)
 
 
 def _size(values: Array) -> Array:
-    """Root mean square of every cycle, without its mean and slope."""
+    """Return the root mean square of every cycle, after removing its mean and slope."""
     place = np.linspace(-1.0, 1.0, values.shape[1])
     line = np.polynomial.polynomial.polyval(place, np.polynomial.polynomial.polyfit(place, values.T, 1))
     return np.sqrt(np.mean((values - line) ** 2, axis=1))
 
 
 def _step(center: Array, heading: Array) -> tuple[Array, Array]:
-    """How far every cycle but the first goes, along its mean heading and to the left of it [m]."""
+    """Return the displacement over every cycle but the first, along its mean heading and to the left of it [m]."""
     gone = (center[:, -1] - center[:, 0]) @ np.array([1.0, 1.0j]) * np.exp(-1.0j * heading.mean(axis=1))
     return gone.real[1:], gone.imag[1:]
 
 
 def _spread(values: Array) -> Array:
-    """By how much a series has changed up to each moment."""
+    """Return the range of a series up to each moment."""
     return np.maximum.accumulate(values) - np.minimum.accumulate(values)

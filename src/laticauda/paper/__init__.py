@@ -1,6 +1,6 @@
-"""The paper, repeated in simulation and put beside what was measured on the robot: a user of everything below.
+"""The paper, repeated in simulation and compared with measurements on the robot; it uses all layers below.
 
-The measured tables are asked for by every run, so nothing else is imported for them.
+Every run looks up the measured tables, so nothing else is imported for them.
 """
 
 from typing import TYPE_CHECKING

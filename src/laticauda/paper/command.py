@@ -1,4 +1,4 @@
-"""`laticauda reproduce`: the paper's experiments in simulation, as one folder with a report, and what is printed."""
+"""`laticauda reproduce`: the paper's experiments in simulation, as one folder with a report and a printed summary."""
 
 import os
 from collections import Counter
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from laticauda.paper.report.reproduce import Reproduction
 
 HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
-"""The gaits as short as a terminal likes them."""
+"""Short names of the gaits, for the terminal."""
 FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 
 
 @value
 class Reproduce(command.Command):
-    """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
+    """Repeat the paper's experiments in simulation, and compare them with measurements on the robot.
 
     Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), and a verdict on each of
     the claims. Figures (PNG and PDF), tables (CSV), trials (netCDF) and report.html, which needs no network, go into
@@ -45,7 +45,7 @@ class Reproduce(command.Command):
     output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
 
     def run(self) -> command.Outcome:
-        """Run and write."""
+        """Run, and write the results."""
         from laticauda.paper.efficiency import load_repeats
         from laticauda.paper.report.reproduce import paper_experiments, reproduce
         from laticauda.robot import load_parameters, load_water
@@ -70,7 +70,7 @@ class Reproduce(command.Command):
 
 
 def facts_of(done: "Reproduction") -> dict[str, Any]:
-    """For JSON: what was run, the errors [%] by predictor, the verdicts, and the files.
+    """Return for JSON what was run, the errors [%] by predictor, the verdicts, and the files.
 
     Args:
         done: What was run and written.
@@ -94,7 +94,7 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
 
 
 def as_text(done: "Reproduction") -> str:
-    """The errors by predictor, the verdicts on the paper's claims, and where the report is.
+    """Return as text the errors by predictor, the verdicts on the paper's claims, and the location of the report.
 
     Args:
         done: What was run and written.
@@ -123,7 +123,7 @@ def as_text(done: "Reproduction") -> str:
 
 
 def _errors(study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str) -> dict[str, Any]:
-    """By predictor: how many numbers are fitted, and its errors."""
+    """Return by predictor the number of fitted parameters, and the errors."""
     from laticauda.paper.scores import scores
 
     groups = [group.name for group in study.settings.groups]
@@ -153,7 +153,7 @@ def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
 
 
 def _table(study: "EfficiencyStudy | PathFollowingStudy", left_out: str = "") -> str:
-    """Errors by predictor, a line each."""
+    """Return a table of the errors, one predictor per line."""
     from laticauda.paper.scores import scores
 
     heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]

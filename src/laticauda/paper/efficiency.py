@@ -1,10 +1,10 @@
-"""The efficiency study: how fast the robot swims, and at what power, over amplitude, frequency and phase shift.
+"""The efficiency study: speed and power of the robot over amplitude, frequency and phase shift.
 
-It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and puts what the table is, the maxima
-of sweeps, beside the maxima of the simulated ones. How far off the speeds are is computed in `scores`.
+It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and compares the contents of the
+table, the maxima of sweeps, with the maxima of the simulated sweeps. The errors of the speeds are computed in `scores`.
 
-Repeated trials of one's own, from a CSV file, show how far measurements of the same setting scatter. The file is a
-table of speeds (`laticauda.trial.measured`); several rows per setting are what it is for.
+Repeated trials from a user's CSV file show the scatter of measurements of the same setting. The file is a table of
+speeds (`laticauda.trial.measured`), intended to have several rows per setting.
 """
 
 from collections.abc import Sequence
@@ -31,17 +31,17 @@ class SweepResult:
     """Curves over one parameter of the gait."""
 
     settings: SweepSettings
-    """What was swept."""
+    """Settings of the sweep."""
     forward_velocity: Curves
-    """Equation (5), by model, group and value [m/s]."""
+    """Forward velocity by equation (5), by model, group and value [m/s]."""
     steady_velocity: Curves
-    """The same without the start [m/s]."""
+    """Forward velocity without the start [m/s]."""
     mechanical_power: Curves
-    """Mean of sum |u phi'| [W]."""
+    """Mechanical power, the mean of sum |u phi'| [W]."""
 
     @property
     def values(self) -> Float[np.ndarray, " n_values"]:
-        """The parameter, in rising order [rad, rad/s]."""
+        """Values of the parameter, in ascending order [rad, rad/s]."""
         return self.settings.values
 
 
@@ -50,25 +50,25 @@ class Case:
     """One row of Table 1, measured and simulated."""
 
     group: Group
-    """The part of the table that it is in."""
+    """Part of the table to which the row belongs."""
     measured: MeasuredCase
-    """The row: its gait, its number and what was measured."""
+    """The row: its gait, its number and the measured values."""
     forward_velocity: tuple[float, ...]
-    """Simulated, by model [m/s]."""
+    """Simulated forward velocity, by model [m/s]."""
     mechanical_power: tuple[float, ...]
-    """Simulated, by model [W]."""
+    """Simulated mechanical power, by model [W]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EfficiencyStudy(Study[EfficiencySettings]):
-    """What the efficiency study ran, and what came out."""
+    """Settings and results of the efficiency study."""
 
     sweeps: tuple[SweepResult, ...]
-    """One per sweep of the settings."""
+    """Results, one per sweep of the settings."""
     cases: tuple[Case, ...]
-    """All rows of Table 1 in its order."""
+    """All rows of Table 1, in its order."""
     judged: int = 0
-    """Place of the model that the claims speak of."""
+    """Index of the model to which the claims refer."""
 
     @property
     def models(self) -> tuple[str, ...]:
@@ -84,16 +84,16 @@ class EfficiencyStudy(Study[EfficiencySettings]):
 
     @classmethod
     def by_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
-        """What comes out of `settings`, swum by `runs`.
+        """Run the trials of `settings` by `runs`, and return the study.
 
         Args:
-            settings: What is swum.
-            runs: How: by which model, and who is told how far it is.
+            settings: Settings of the study.
+            runs: Runner, with the model and the progress callback.
         """
         runs.n_runs = settings.n_runs
 
         def tasks(group: Group, gait: gaits.Gait) -> list[tuple[str, scenarios.Scenario]]:
-            """Name and scenario of every model's trial; that of the first comes last, and `runs.how` is of it."""
+            """Return name and scenario of each model's trial; the first model's is last and determines `runs.how`."""
             setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
             )
@@ -127,32 +127,32 @@ class Maximum:
     group: Group
     """Gait and configuration."""
     parameter: str
-    """What was swept."""
+    """Parameter that was swept."""
     measured_at: float
-    """Where the robot was fastest [rad, rad/s]."""
+    """Value at which the robot was fastest [rad, rad/s]."""
     measured_velocity: float
-    """How fast; the best of several noisy values, so biased upward [m/s]."""
+    """Velocity of the robot there; the best of several noisy values, and so biased upward [m/s]."""
     simulated_at: tuple[float, ...]
-    """By model, where the simulation is fastest [rad, rad/s]."""
+    """By model, value at which the simulation is fastest [rad, rad/s]."""
     simulated_velocity: tuple[float, ...]
-    """By model, how fast [m/s]."""
+    """By model, velocity of the simulation there [m/s]."""
     at_the_end: tuple[bool, ...]
-    """By model, whether that is the first or the last value of the sweep, so that the maximum may lie beyond."""
+    """By model, whether this is the first or last value of the sweep, so that the maximum may lie outside the range."""
 
     def distance(self, model: int) -> float:
-        """From the measured to the simulated maximum; infinite where there is none inside the range [rad, rad/s].
+        """Return the distance between measured and simulated maximum; infinite if none is within range [rad, rad/s].
 
         Args:
-            model: Its place.
+            model: Index of the model.
         """
         return np.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
-    """The starred entries of Table 1 beside the maxima of the simulated sweeps, group by group.
+    """Return the starred entries of Table 1 with the maxima of the simulated sweeps, group by group.
 
     Args:
-        study: What `run_efficiency` returned.
+        study: Result of `run_efficiency`.
     """
     stars = {(case.group.name, case.measured.starred): case.measured for case in study.measured}
     return tuple(
@@ -188,18 +188,18 @@ class Repeat(null_models.Row):
     """All trials of one setting."""
 
     forward_velocity: tuple[float, ...]
-    """Equation (5), trial by trial [m/s]."""
+    """Forward velocity by equation (5), trial by trial [m/s]."""
     mean_power: tuple[float | None, ...]
-    """Electrical power above idle, trial by trial; None where it is missing [W]."""
+    """Electrical power above idle, trial by trial; None if missing [W]."""
 
     @property
     def velocity(self) -> tuple[float, float | None]:
-        """Mean and standard deviation of the forward velocity; one trial has no deviation [m/s]."""
+        """Mean and standard deviation of the forward velocity; a single trial has no deviation [m/s]."""
         return mean_and_deviation(self.forward_velocity)
 
     @property
     def power(self) -> tuple[float, float | None] | None:
-        """The same for the power; None if no trial has one [W]."""
+        """Mean and standard deviation of the power; None if no trial has a power [W]."""
         known = [value for value in self.mean_power if value is not None]
         return mean_and_deviation(known) if known else None
 
@@ -208,13 +208,13 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
     """Load repeated trials from a CSV file.
 
     Args:
-        path: Of the file.
+        path: Path of the file.
 
     Returns:
         One entry per setting, in the order in which they first appear.
 
     Raises:
-        TrialFileError: As `load_speeds`.
+        TrialFileError: If `load_speeds` cannot read the file.
     """
     trials: dict[tuple[gaits.Gait, bool], list[tuple[float, float | None]]] = {}
     for one in measured.load_speeds(path):

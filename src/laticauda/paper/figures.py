@@ -1,9 +1,9 @@
-"""Figures of the paper's studies: forward velocity and power over the parameters of the gait, as Figs. 4 to 11.
+"""Figures of the paper's studies: forward velocity and power over the parameters of the gait, as in Figs. 4 to 11.
 
-And the speeds of path-following trials: measured, simulated in several ways, and predicted without physics.
+Also the speeds of path-following trials: measured, simulated in several ways, and predicted without physics.
 """
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 import math
@@ -39,46 +39,46 @@ SYMBOLS = {"amplitude": "$\\alpha$ = {:g}°", "frequency": "$\\omega$ = {:g}°/s
 VELOCITY = ("forward velocity [m/s]",)
 POWERS = ("mechanical power,\nsimulated [W]", "electrical power,\nmeasured [W]")
 SHOWN = {VELOCITY[0]: ("velocity", "forward_velocity"), POWERS[0]: ("power", ""), POWERS[1]: ("", "mean_power")}
-"""By label of an axis, the names of what is shown: of the curves of a panel, and of what rows of a table hold."""
+"""By axis label, the names of the data shown: of the curves of a panel, and of the fields in rows of a table."""
 REPEATS = "#007A5A"  # a green that is darker than the models' colors
-BESIDE = 0.035  # how far right of their setting repeated trials are drawn, as a share of the axis
+BESIDE = 0.035  # shift of repeated trials to the right of their setting, as a fraction of the axis
 MARKER = 6.5  # [pt]
 MARKS = {
     "measured, fastest of its sweep": style.points("*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9),
     "measured, another setting": style.points("o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9),
 }
-"""By what the legend says."""
+"""By legend label."""
 TRIAL = style.points("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
 MEAN = style.points("D", 0.4 * MARKER, REPEATS)
 PANEL_HEIGHT = 2.1  # [in]
-HEAD = 0.42  # height that the title takes [in]
+HEAD = 0.42  # height of the title [in]
 LEGEND_LINE = 0.165  # height of a line of the legend [in]
-ROOM = 1.12  # of the highest value
-MARGIN = 0.035  # beside the first and the last value
+ROOM = 1.12  # upper end of the axis, as a multiple of the highest value
+MARGIN = 0.035  # margin at the first and the last value, as a fraction of the axis
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Panel:
-    """One parameter of the gait is varied: the data of one panel."""
+    """Data of one panel, in which one parameter of the gait is varied."""
 
     sweep: SweepSettings
-    """What is varied, and what is held."""
+    """Parameter that is varied, and parameters that are held fixed."""
     labels: tuple[str, ...]
-    """What the legend says to each curve."""
+    """Legend label of each curve."""
     velocity: Curves
     """Simulated forward velocity [m/s]."""
     power: Curves
     """Simulated mechanical power [W]."""
     measured: tuple[MeasuredCase, ...]
-    """The measured settings on this line."""
+    """Measured settings on this line."""
     repeats: tuple[Repeat, ...]
-    """The settings on this line that were repeated."""
+    """Repeated settings on this line."""
 
     def at(self, found: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
-        """Where settings lie on the axis [deg, deg/s].
+        """Return the positions of settings on the axis [deg, deg/s].
 
         Args:
-            found: Some that were measured.
+            found: Measured settings.
         """
         return np.degrees([getattr(one.gait, self.sweep.parameter) for one in found])
 
@@ -87,12 +87,12 @@ class Panel:
 
 
 def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
-    """A quantity over one parameter: a line per model, a mark per measured setting.
+    """Draw a quantity over one parameter, with a line per model and a mark per measured setting.
 
     Args:
-        panel: The data.
-        ax: Where to draw.
-        ylabel: One of `SHOWN`.
+        panel: Data of the panel.
+        ax: Axes to draw on.
+        ylabel: Axis label, one of `SHOWN`.
     """
     of_curves, of_rows = SHOWN[ylabel]
     curves: Sequence[Values] = [*getattr(panel, of_curves)] if of_curves else []
@@ -109,15 +109,15 @@ def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
 
 
 def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
-    """One of Figs. 4 to 11: quantities over each parameter, side by side, a row each.
+    """Draw one of Figs. 4 to 11: quantities over each parameter side by side, one row per quantity.
 
-    The simulated mechanical power and the measured electrical one differ by what motors and electronics lose, so each
-    has its own axis.
+    The simulated mechanical power and the measured electrical power differ by the losses of motors and electronics, so
+    each has its own axis.
 
     Args:
-        panels: One per parameter.
-        title: Above all panels.
-        ylabels: Of `SHOWN`: those of the rows.
+        panels: One panel per parameter.
+        title: Title above all panels.
+        ylabels: Axis labels of the rows, from `SHOWN`.
     """
     height = PANEL_HEIGHT * (1.0 + 0.7 * (len(ylabels) - 1))
     figure = style.new_figure(style.DOUBLE_COLUMN, height + HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2))
@@ -129,7 +129,7 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
             if row is not rows[-1]:
                 ax.set_xlabel("")
         highest = max([0.0, *(ax.dataLim.y1 for ax in row)])
-        row[0].set_ylim(0.0, ROOM * highest if highest > 0.0 else 1.0)  # one scale from zero
+        row[0].set_ylim(0.0, ROOM * highest if highest > 0.0 else 1.0)  # a common scale from zero
     _finish(figure, rows, panels, title)
     return figure
 
@@ -141,12 +141,12 @@ def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
     starred = np.array([one.starred == panel.sweep.parameter for one in panel.measured], dtype=bool)
     for is_fastest, look in zip((False, True), reversed(MARKS.values()), strict=True):
         shown = ~np.isnan(quantity) & (starred == is_fastest)
-        if np.any(shown):  # the layout takes an empty line that is not clipped for one without end
+        if np.any(shown):  # the layout treats an empty line that is not clipped as infinite
             ax.plot(panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **look)
 
 
 def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
-    """Every repeated trial as a dot, and mean and standard deviation of several: to the right, not over marks."""
+    """Draw repeated trials as dots, and mean and standard deviation of several, shifted right to keep marks visible."""
     low, high = np.degrees(panel.sweep.values[[0, -1]])
     step = BESIDE * float(high - low)
     for place, quantity in zip(panel.at(panel.repeats).tolist(), quantities, strict=True):
@@ -159,7 +159,7 @@ def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
 
 
 def _mean_handle() -> ErrorbarContainer:
-    """How a legend shows mean and standard deviation."""
+    """Return the legend handle of mean and standard deviation."""
     return ErrorbarContainer(
         (Line2D([], [], **MEAN), (), (LineCollection([], colors=REPEATS, linewidths=1.0),)),
         has_yerr=True,
@@ -170,7 +170,7 @@ def _mean_handle() -> ErrorbarContainer:
 def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     low, high = np.degrees(panel.sweep.values[[0, -1]])
     if high > low:
-        margin = MARGIN * float(high - low)  # a mark at the end keeps off the next panel
+        margin = MARGIN * float(high - low)  # keeps a mark at the end away from the next panel
         beside = 2.0 * BESIDE * float(high - low)
         farthest = max([float(high), *(panel.at(panel.repeats) + beside)])
         ax.set_xlim(float(low) - margin, farthest + margin)
@@ -180,7 +180,7 @@ def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
 
 
 def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str) -> None:
-    """What is beside the data: letters, what is held, legend and title."""
+    """Add what surrounds the data: letters, fixed parameters, legend and title."""
     for place, (ax, panel) in enumerate(zip(rows[0], panels, strict=True)):
         held = [SYMBOLS[name].format(float(np.degrees(value))) for name, value in panel.sweep.fixed.items()]
         style.letter(ax, place, ", ".join(held), pad=6)
@@ -196,7 +196,7 @@ def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Pan
 
 
 def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
-    """What the legend shows."""
+    """Return the handles of the legend."""
     handles: list[Line2D | ErrorbarContainer] = []
     for i, label in enumerate(panels[0].labels):
         color, dashes = style.LINES[i % len(style.LINES)]
@@ -211,9 +211,9 @@ def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
 # ---- speeds of path following ---------------------------------------------------------------------------------------
 
 ROW_HEIGHT = 0.27  # [in]
-AROUND = 1.35  # height that title, labels and legend take [in]
+AROUND = 1.35  # height of title, labels and legend [in]
 GAP = 1.0  # rows between two groups, for the name of the second
-# By joint law in its order, told apart by shapes too.
+# By joint law, in order; distinguished by shape as well.
 LAWS: tuple[tuple[str, str], ...] = ((style.BLUE, "o"), (style.ORANGE, "^"), (style.AMBER, "s"))
 SPEED_MARKS = {
     "measured": style.points("D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4),
@@ -225,12 +225,12 @@ RANGE: dict[str, Any] = {"color": "#C9DDEA", "linewidth": 5.0, "solid_capstyle":
 
 
 def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
-    """Speeds of trials, one below the other: a mark per way, a line over their range.
+    """Draw the speeds of trials, one trial below the other, with a mark per simulation and a line over their range.
 
     Args:
-        rows: From top to bottom; those of a group follow each other.
-        null: Predicted without physics, by row [m/s].
-        ax: Where to draw.
+        rows: Cases from top to bottom; those of a group are consecutive.
+        null: Speeds predicted without physics, by row [m/s].
+        ax: Axes to draw on.
     """
     steps = [1.0 if row.group == before.group else 1.0 + GAP for before, row in pairwise(rows)]
     places = np.cumsum([0.0, *steps]).tolist()
@@ -260,13 +260,13 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
 def following_speeds_sheet(
     rows: Sequence[FollowingCase], title: str, *, chosen: str, null: tuple[str, Sequence[float]]
 ) -> Figure:
-    """The speeds of trials with a title and a legend.
+    """Draw the speeds of trials with a title and a legend.
 
     Args:
-        rows: From top to bottom; those of a group follow each other.
-        title: Above the axes.
-        chosen: What the legend calls the chosen runs.
-        null: What it calls the prediction without physics, and its speeds, by row [m/s].
+        rows: Cases from top to bottom; those of a group are consecutive.
+        title: Title above the axes.
+        chosen: Legend label of the chosen runs.
+        null: Legend label of the prediction without physics, and its speeds by row [m/s].
     """
     n_groups = len({row.group.name for row in rows})
     figure = style.new_figure(style.DOUBLE_COLUMN, AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups))

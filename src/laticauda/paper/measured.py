@@ -1,4 +1,4 @@
-"""What the paper measured on the physical robot, and what it prints of it: Tables 1 and 2, row by row."""
+"""What the paper measured on the physical robot, as printed: Tables 1 and 2, row by row."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from laticauda import files, gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trial import MeasuredTrial, MeasuredTrials, measured, null_models
 
-PRINTED_TO = 0.02  # the printed changes come from unrounded speeds [%]
+PRINTED_TO = 0.02  # tolerance, as the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]
 _TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
 _MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
@@ -19,22 +19,22 @@ _MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
 @dataclass(frozen=True, kw_only=True)
 class _Row(null_models.Row):
-    """What a row of either table has: its gait is what the joints were asked for, apart from the steering."""
+    """Common fields of the rows of both tables; the gait is what was commanded to the joints, apart from steering."""
 
     case: int
-    """Its number among those of the same gait with the same robot, from 1 [-]."""
+    """Number among the cases of the same gait with the same robot, from 1 [-]."""
     printed_velocity: float | None
-    """The printed change of forward velocity by the fin; None where there is none [%]."""
+    """Printed change of forward velocity due to the fin; None if there is none [%]."""
     printed_power: float | None
-    """The same for the power [%]."""
+    """Printed change of power due to the fin; None if there is none [%]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredCase(_Row, MeasuredTrial):
-    """One case of Table 1: straight and from rest; `laticauda.MeasuredTrial` says what it holds besides."""
+    """One case of Table 1: straight and from rest; for the other fields, see `laticauda.MeasuredTrial`."""
 
     starred: str | None
-    """The parameter whose best value this is said to be; None for the others."""
+    """Parameter of which this is said to be the best value; None for other cases."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,9 +46,9 @@ class MeasuredPathFollowing(_Row):
     initial_heading: float
     """Initial heading [rad]."""
     forward_velocity: float
-    """Equation (5) [m/s]."""
+    """Forward velocity by equation (5) [m/s]."""
     mean_power: float
-    """Electrical power above idle (4) [W]."""
+    """Electrical power above idle by equation (4) [W]."""
 
 
 MeasuredRow = MeasuredCase | MeasuredPathFollowing
@@ -56,26 +56,26 @@ MeasuredRow = MeasuredCase | MeasuredPathFollowing
 
 @dataclass(frozen=True, kw_only=True)
 class PrintedChange:
-    """What the fin changes from one row of a table to the one with it: as printed, and by the table's own numbers."""
+    """Changes due to the fin between two rows of a table: as printed, and from the table's own numbers."""
 
     without: MeasuredRow
     """The row without the fin."""
     with_fin: MeasuredRow
-    """The row with it."""
+    """The row with the fin."""
 
     @property
     def velocity(self) -> float | None:
-        """Recomputed from the speeds; None if one is missing [%]."""
+        """Change of velocity, recomputed from the speeds; None if one is missing [%]."""
         return _known_change(self.without.forward_velocity, self.with_fin.forward_velocity)
 
     @property
     def power(self) -> float | None:
-        """Recomputed from the electrical powers; None if one is missing [%]."""
+        """Change of power, recomputed from the electrical powers; None if one is missing [%]."""
         return _known_change(self.without.mean_power, self.with_fin.mean_power)
 
     @property
     def misprints(self) -> Mapping[str, tuple[float, float]]:
-        """What is printed and does not follow from the table's own numbers, velocity or power: both changes [%]."""
+        """Printed changes of velocity or power that do not follow from the table, with the recomputed changes [%]."""
         row = self.with_fin
         pairs = {"velocity": (row.printed_velocity, self.velocity), "power": (row.printed_power, self.power)}
         return {
@@ -89,18 +89,18 @@ class Table1(MeasuredTrials):
     """Table 1 of the paper: Mamba, bare or with its fin, from standstill in still water."""
 
     def trials(self) -> tuple[MeasuredTrial, ...]:
-        """All rows of the table, in its order."""
+        """Return all rows of the table, in its order."""
         return table1()
 
     def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
-        """The row of a setting, or None.
+        """Return the row of a setting, or None if there is none.
 
         Args:
-            robot: What swims: Mamba, whatever its name, if its body and fin are those of one of Mamba's presets.
-                Numbers that models and fits give to the same machine are not compared: actuators, power, the fin's
-                coefficients.
-            gait: How, without steering.
-            environment: In what.
+            robot: Robot that swims; it is Mamba, whatever its name, if its body and fin are those of one of Mamba's
+                presets. Numbers that models and fits assign to the same machine are not compared: actuators, power, the
+                fin's coefficients.
+            gait: Gait without steering.
+            environment: Environment of the trial.
         """
         if isinstance(environment, Ground) or environment.current != (0.0, 0.0):
             return None
@@ -111,7 +111,7 @@ class Table1(MeasuredTrials):
 
 @cache
 def table1() -> tuple[MeasuredCase, ...]:
-    """Table 1 of the paper, in its order; settings that were not measured too."""
+    """Return Table 1 of the paper, in its order, including settings that were not measured."""
     return tuple(
         MeasuredCase(
             **_row(cells),
@@ -131,13 +131,13 @@ def table1() -> tuple[MeasuredCase, ...]:
 
 @cache
 def efficiency_trials() -> tuple[MeasuredCase, ...]:
-    """Table 1 of the paper, in its order; settings that were not measured are left out."""
+    """Return Table 1 of the paper, in its order, without settings that were not measured."""
     return tuple(row for row in table1() if row.forward_velocity is not None or row.mean_power is not None)
 
 
 @cache
 def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
-    """Table 2 of the paper, in its order."""
+    """Return Table 2 of the paper, in its order."""
     return tuple(
         MeasuredPathFollowing(
             **_row(cells),
@@ -151,10 +151,10 @@ def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
 
 
 def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
-    """What the fin changes, for every row with the fin that has a counterpart without.
+    """Return the changes due to the fin, for every row with the fin that has a counterpart without it.
 
     Args:
-        rows: Of one table.
+        rows: Rows of one table.
     """
     bare = {(row.gait.kind, row.case): row for row in rows if not row.has_fin}
     pairs = [(bare.get((row.gait.kind, row.case)), row) for row in rows if row.has_fin]
@@ -162,21 +162,21 @@ def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
 
 
 def percent_change(before: float, after: float) -> float:
-    """By how much something grew [%].
+    """Return the relative increase of a value [%].
 
     Args:
-        before: Not zero.
-        after: In the same unit.
+        before: Initial value, not zero.
+        after: Final value, in the same unit.
     """
     return 100.0 * (after / before - 1.0)
 
 
 def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
-    """The paper's trial of Mamba with this gait, or None if it has none.
+    """Return the paper's trial of Mamba with this gait, or None if there is none.
 
     Args:
-        gait: Its kind, amplitude, frequency and phase shift must be the table's, to 1e-6; it must not steer.
-        has_fin: Whether the robot wears the caudal fin.
+        gait: Gait; its kind, amplitude, frequency and phase shift must be the table's, to 1e-6, and it must not steer.
+        has_fin: Whether the robot has the caudal fin.
     """
     same = (trial for trial in efficiency_trials() if trial.has_fin == has_fin and _alike(trial.gait, gait))
     return next(same, None)
@@ -187,7 +187,7 @@ def _known_change(before: float | None, after: float | None) -> float | None:
 
 
 def _machine(robot: Robot) -> Robot:
-    """What a workshop would build: without name, words, and the numbers that models give to it."""
+    """Return the robot as a workshop would build it: without name, description and numbers that models assign to it."""
     fin = robot.caudal_fin
     if fin is not None:
         fin = replace(fin, tangential_friction=None, normal_drag=None, added_mass=None, n_strips=1)

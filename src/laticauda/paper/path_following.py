@@ -1,6 +1,6 @@
-"""The path-following study: the 12 trials of Table 2 in every way of the band, and a trial of another publication.
+"""The path-following study: the 12 trials of Table 2 in all combinations of the band, and one of another publication.
 
-It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. What it finds about the table is computed in
+It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. Its findings about the table are computed in
 `scores`.
 """
 
@@ -23,7 +23,7 @@ from laticauda.trial.cycles import TRANSIENT
 
 @value
 class FollowingRun:
-    """How one run was made, and its figures."""
+    """Settings of one run, and its figures."""
 
     joints: str = option("How the joints follow the gait")
     offset_bandwidth: float = quantity("rad/s", "Bandwidth of the reference generator")
@@ -53,7 +53,7 @@ class FollowingRun:
 
     @property
     def converged(self) -> bool:
-        """Whether its cycle-mean error stayed within 0.1 m for a whole cycle, at some time."""
+        """Whether at some time the cycle-mean error stayed within 0.1 m for a whole cycle."""
         return self.figures["convergence_time"] is not None
 
 
@@ -62,81 +62,81 @@ class FollowingCase:
     """One row of Table 2, measured and simulated."""
 
     measured: MeasuredPathFollowing
-    """The row: gait, initial conditions and what was measured."""
+    """The row: gait, initial conditions and measured values."""
     group: Group
-    """The part of the table that it is in."""
+    """Part of the table to which the row belongs."""
     figure: int
     """Number of the paper's figure."""
     trial: Trial
-    """With the chosen joints and bandwidth, raw heading: what the figure shows."""
+    """Trial with the chosen joints and bandwidth and raw heading, which the figure shows."""
     run: FollowingRun
-    """Its figures."""
+    """Settings and figures of that trial."""
     band: tuple[FollowingRun, ...]
-    """Raw heading, every way of the band, the chosen one among them."""
+    """Runs with raw heading for every combination of the band, including the chosen one."""
     cycle_mean: FollowingRun
-    """With the mean heading over the gait cycle, other things equal to the chosen run."""
+    """Run with the mean heading over the gait cycle, otherwise the same as the chosen run."""
     free_velocity: float
     """Steady velocity of the same gait with the chosen joints, unsteered [m/s]."""
 
     @property
     def is_in_band(self) -> bool:
-        """Whether the measured speed lies in the band of the simulated ones."""
+        """Whether the measured speed lies within the band of simulated speeds."""
         speeds = [run.forward_velocity for run in self.band]
         return min(speeds) <= self.measured.forward_velocity <= max(speeds)
 
     def change_by_the_loop(self, run: FollowingRun) -> float | None:
-        """By how much closing the loop changes the steady velocity; None for a run that is too short [%].
+        """Return the change of steady velocity caused by closing the loop; None for a run that is too short [%].
 
         Args:
-            run: Of this case.
+            run: Run of this case.
         """
         return None if run.steady_velocity is None else percent_change(self.free_velocity, run.steady_velocity)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeldOutRun:
-    """The trial of another publication, with the chosen joints and bandwidth, raw heading."""
+    """The trial of another publication, with the chosen joints and bandwidth and raw heading."""
 
     settings: HeldOut
     """Its initial conditions, and the published ranges."""
     trial: Trial
-    """The run."""
+    """The simulated trial."""
     run: FollowingRun
-    """Its figures."""
+    """Settings and figures of that trial."""
     velocity: tuple[float, float]
     """Smallest and largest velocity along the heading, after the first gait cycle [m/s]."""
     mean_velocity: tuple[float, float]
-    """The same of its mean over the gait cycle around each moment [m/s]."""
+    """Smallest and largest mean of that velocity over the gait cycle around each instant [m/s]."""
     offset: tuple[float, float]
-    """Smallest and largest offset that was asked for [rad]."""
+    """Smallest and largest commanded offset [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PathFollowingStudy(Study[PathFollowingSettings]):
-    """What the path-following study ran, and what came out; `how` is that of the chosen runs."""
+    """Settings and results of the path-following study; `how` describes the chosen runs."""
 
     cases: tuple[FollowingCase, ...]
-    """All rows of Table 2 in its order."""
+    """All rows of Table 2, in its order."""
     held_out: HeldOutRun
     """The trial of another publication."""
     own: "tuple[PathFollowingStudy, ...]" = ()
-    """The same with each of the models that have joints of their own, each in its one way."""
+    """The same study with each of the models that have their own joints, each in a single combination."""
 
     usual = staticmethod(path_following_settings)
 
     @property
     def ways(self) -> "tuple[PathFollowingStudy, ...]":
-        """By way of the band, the study as if that had been chosen; the trials stay those of the chosen one."""
+        """For each combination of the band, the study as if that were chosen; trials remain those of the chosen one."""
         ways = range(len(self.cases[0].band))
         return tuple(replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases)) for i in ways)
 
     @classmethod
     def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
-        """What comes out of `settings`, swum by `runs`.
+        """Run the trials of `settings` by `runs`, and return the study.
 
         Args:
-            settings: What is swum.
-            runs: How: by which model, and who is told how far it is.
+            settings: Settings of the study.
+            runs: Runner, with the model and the progress callback.
         """
         chosen = runs.model
         law = name_of(type(chosen.joints))
@@ -162,10 +162,10 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
 
 
 def by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
-    """The band of a case by joint law.
+    """Return the band of a case, by joint law.
 
     Args:
-        case: Of the study.
+        case: Case of the study.
     """
     found: dict[str, list[FollowingRun]] = {}
     for run in case.band:
@@ -177,11 +177,11 @@ run_path_following = PathFollowingStudy.run
 
 
 def figures_of(trial: Trial, distance: float) -> FollowingRun:
-    """What is kept of a run along the x axis.
+    """Return the settings and figures that are kept of a run along the x axis.
 
     Args:
         trial: A run of `laticauda.control.PathFollowing` with a gait that moves.
-        distance: Progress in x after which it was to end [m].
+        distance: Progress in x after which the run was to end [m].
     """
     time, period = trial.time, trial.period
     assert period is not None  # no case stands still
@@ -214,14 +214,14 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
 
 @dataclass(frozen=True, kw_only=True)
 class _Pool:
-    """What all runs have in common."""
+    """Common settings of all runs."""
 
     settings: PathFollowingSettings
     ways: list[Model]
     runs: Runs
 
     def cases(self, group: Group) -> Iterator[FollowingCase]:
-        """All cases of a group."""
+        """Run and yield all cases of a group."""
         free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model)
         for row, figure in zip(group.followed, group.figures, strict=True):
             start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
@@ -240,7 +240,7 @@ class _Pool:
             )
 
     def held_out(self) -> HeldOutRun:
-        """The trial of another publication."""
+        """Run the trial of another publication."""
         held = self.settings.held_out
         start = lc.Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
         trial = self._swim("The held-out trial", held.robot, held.gait, self.runs.model, start, "raw")
@@ -263,7 +263,7 @@ class _Pool:
     def _swim(
         self, what: str, robot: str, gait: lc.Gait, way: Model, start: lc.Start | None = None, heading: str = ""
     ) -> Trial:
-        """A run from a start along the path; without one, unsteered."""
+        """Return the trial of a run along the path from a start; without a start, of an unsteered run."""
         settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"
         swimmer = settings.coefficients.scenario(robot, gait, model=way, duration=settings.duration)
         name = f"{name} {way.offset_bandwidth:g} rad/s"

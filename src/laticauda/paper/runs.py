@@ -1,4 +1,4 @@
-"""What all studies of the paper share: who swims with which coefficients, and how it is run."""
+"""Common parts of the paper's studies: which robot swims with which coefficients, and how it is run."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,37 +23,37 @@ _robot = cache(lc.load_robot)
 
 @dataclass(frozen=True, kw_only=True)
 class Coefficients:
-    """One set of fluid coefficients, by gait: a curve of every figure."""
+    """One set of fluid coefficients, by gait; a curve in every figure."""
 
     name: str
-    """What tables and files call it."""
+    """Name in tables and files."""
     title: str
-    """What a legend says."""
+    """Label in legends."""
     waters: Mapping[str, str | lc.Water]
-    """A water for every kind of gait: itself, or its name (`load_water`)."""
+    """Water for every kind of gait, or its name (`load_water`)."""
     parameters: lc.Parameters | None = None
-    """What they change about a robot, if they come from a parameter file."""
+    """Parameter file from which they come, if any, with its changes to a robot."""
     n_fitted: int | None = None
-    """How many of its numbers are fitted to Table 1; None for what the paper or somebody else gives [-]."""
+    """Number of its values that are fitted to Table 1; None if they are from the paper or another source [-]."""
     loop_delay: float | None = None
-    """For joints of the parameters' own, without a steering filter; None: joints and loop of the run [s]."""
+    """Delay with the parameters' own joints, without a steering filter; None: joints and loop of the run [s]."""
 
     @classmethod
     def of(cls, parameters: lc.Parameters, **more: Any) -> Self:
-        """What a parameter file says.
+        """Return the coefficients of a parameter file.
 
         Args:
-            parameters: From the file.
+            parameters: Parameters from the file.
             more: Further fields.
         """
         waters = {gait: parameters.water(gait) for gait in gaits.GAIT_WORDS}
         return cls(name=parameters.name, title=parameters.title, waters=waters, parameters=parameters, **more)
 
     def driven(self, model: Model) -> Model:
-        """The model with joints and delay of its own, if it has any.
+        """Return the model with the joints and delay of these coefficients, if they have their own.
 
         Args:
-            model: By which everything else is run.
+            model: Model with which everything else is run.
         """
         if self.loop_delay is None or self.parameters is None or self.parameters.joints is None:
             return model
@@ -61,20 +61,20 @@ class Coefficients:
         return replace(model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None)
 
     def water(self, gait: str) -> lc.Water:
-        """The water for a kind of gait.
+        """Return the water for a kind of gait.
 
         Args:
-            gait: The gait's kind.
+            gait: Kind of gait.
         """
         water = self.waters[gait]
         return water if isinstance(water, lc.Water) else lc.load_water(water)
 
     def scenario(self, robot: lc.Robot | str, gait: lc.Gait, **more: Any) -> Scenario:
-        """A robot with what these parameters change about it, in the water for its gait.
+        """Return the scenario of a robot, as changed by these parameters, in the water for its gait.
 
         Args:
-            robot: What swims, or its name (`load_robot`).
-            gait: How.
+            robot: Robot that swims, or its name (`load_robot`).
+            gait: Gait of the robot.
             more: Further fields of the scenario.
         """
         robot = _robot(robot) if isinstance(robot, str) else robot
@@ -84,26 +84,26 @@ class Coefficients:
 
 @dataclass(kw_only=True)
 class Runs:
-    """Swims one scenario after the other: counts them, and keeps how they were made."""
+    """Runner that swims one scenario after another, counts the runs and records how they were computed."""
 
     model: Model
-    """By which model, unless a run says otherwise."""
+    """Model, unless a run specifies another."""
     progress: Progress
-    """Called after every run with the number of runs done, and of all."""
+    """Called after every run with the number of runs done and the total."""
     n_runs: int = 0
-    """How many there will be; a study says so before the first [-]."""
+    """Total number of runs; a study sets it before the first one [-]."""
     how: dict[str, Setting] = field(default_factory=dict[str, Setting])
-    """How they were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    """How the runs were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     n_done: int = 0
-    """How many there were [-]."""
+    """Number of runs done [-]."""
 
     def swim(self, name: str, scenario: Scenario, *, until: Until | None = None) -> lc.Trial:
-        """The trial of a scenario.
+        """Return the trial of a scenario.
 
         Args:
-            name: Which one it is.
-            scenario: What is run.
-            until: Asked at every control instant after the first; once it says yes the run is over, before its
+            name: Name of the run, for messages.
+            scenario: Scenario to run.
+            until: Called at every control instant after the first; once it returns True, the run ends before its
                 duration.
 
         Raises:
@@ -120,7 +120,7 @@ class Runs:
         return trial
 
     def figures(self, tasks: Sequence[tuple[str, Scenario]]) -> dict[str, np.ndarray]:
-        """The figures of many scenarios that hold a gait, side by side: those of `swim` to rounding (`lc.swim_many`).
+        """Return the figures of many scenarios with a fixed gait, by `lc.swim_many`; up to rounding, those of `swim`.
 
         Args:
             tasks: Names and scenarios.
@@ -140,7 +140,7 @@ class Runs:
         for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
             if not succeeded:
                 raise SimulationFailed(f"{name}: {status}")
-        for k in np.flatnonzero(np.isnan(found.steady_velocity)):  # a run that is too short: its trial says so
+        for k in np.flatnonzero(np.isnan(found.steady_velocity)):  # a run that is too short: its trial raises the error
             _ = lc.swim(scenarios[k]).steady_velocity
         self.how |= settings_of(plant(scenarios[-1]).settings)
         return vars(found)
@@ -148,16 +148,16 @@ class Runs:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Study(Generic[Settings]):
-    """What a study ran; what came out stands in its subclasses."""
+    """Settings of a study that was run; subclasses add the results."""
 
     settings: Settings
-    """What was run."""
+    """Settings that were run."""
     how: Mapping[str, Setting]
     """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     version: str = field(default_factory=lambda: packaging.__version__)
     """Version of laticauda that ran it."""
     usual: ClassVar[Any]
-    """Makes the settings that are run where none are given."""
+    """Factory of the settings that are run if none are given."""
 
     @classmethod
     def run(
@@ -171,13 +171,13 @@ class Study(Generic[Settings]):
         """Run the study.
 
         Args:
-            settings: None takes those of the paper, or the defaults where it has none.
-            model: By which model, or its name.
-            progress: Called after every run with the number of runs done, and of all.
-            changes: What differs from the model's defaults.
+            settings: Settings to run; None uses those of the paper, or the defaults where it has none.
+            model: Model, or its name.
+            progress: Called after every run with the number of runs done and the total.
+            changes: Differences from the model's defaults.
 
         Returns:
-            What was run, and what came out.
+            The study: settings and results.
 
         Raises:
             ValueError: If an argument is out of its range.
@@ -189,5 +189,5 @@ class Study(Generic[Settings]):
 
     @classmethod
     def by_runs(cls, settings: Settings, runs: Runs) -> Any:
-        """What comes out of `settings`, swum by `runs`."""
+        """Run the trials of `settings` by `runs`, and return the study."""
         raise NotImplementedError

@@ -1,9 +1,9 @@
-"""How far predictions are from the measured speeds of Tables 1 and 2, beside null models that know no physics.
+"""Errors of predicted speeds against the measurements of Tables 1 and 2, compared with null models without physics.
 
-The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on the very rows that
-they are fitted to, so their errors are also given for rows that were left out of the fit; Table 2 they predict as it
-stands.
-What the fin changes, and what a meter costs, stands here too.
+The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on the same rows to
+which they are fitted, so their errors are also given for rows that were left out of the fit; Table 2 is predicted
+without a further fit.
+The changes due to the fin, and the energy per meter, are computed here too.
 """
 
 import math
@@ -25,64 +25,64 @@ AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """What one predictor says of the measured speeds of a table, and its mean absolute percentage errors (MAPE)."""
+    """Predictions of the measured speeds of a table by one predictor, and mean absolute percentage errors (MAPE)."""
 
     name: str
     """The predictor: a null model, a set of coefficients, or joint law, bandwidth and heading of a simulation."""
     n_fitted: int | None
-    """How many numbers are fitted to Table 1; None for a simulation with the coefficients of others [-]."""
+    """Number of values fitted to Table 1; None for a simulation with coefficients from other sources [-]."""
     measured: tuple[float, ...]
-    """By case that was measured, how fast the robot was [m/s]."""
+    """Measured speed of the robot, by case that was measured [m/s]."""
     speeds: tuple[float, ...]
-    """The same as predicted [m/s]."""
+    """Predicted speed, by the same cases [m/s]."""
     overall: float
-    """Over all of them [%]."""
+    """Error over all cases [%]."""
     by_group: tuple[float, ...]
-    """By group of the settings [%]."""
+    """Error by group of the settings [%]."""
     leave_one_out: float | None = None
-    """Each row of Table 1 predicted from all others; None where nothing is fitted to what is scored [%]."""
+    """Error with each row of Table 1 predicted from all others; None if nothing is fitted to the scored rows [%]."""
     leave_one_group_out: float | None = None
-    """Each group predicted from all others; None where that cannot be done [%]."""
+    """Error with each group predicted from all others; None if that is impossible [%]."""
     is_null: bool = False
-    """Whether it is a null model, which knows no physics."""
+    """Whether it is a null model, which contains no physics."""
 
     @property
     def title(self) -> str:
-        """The predictor, as tables call it."""
+        """Name of the predictor in tables."""
         return f"null model: {self.name}" if self.is_null else self.name
 
 
 @dataclass(frozen=True, kw_only=True)
 class FinGain(Generic[AnyCase]):
-    """What the fin changes from one case of a table to the one with it.
+    """Changes due to the fin between two cases of a table.
 
-    In Table 2 the two start from different places, so the change holds that too.
+    In Table 2 the two cases start from different places, so the change includes that effect.
     """
 
     without: AnyCase
     """The case without the fin."""
     with_fin: AnyCase
-    """The case with it."""
+    """The case with the fin."""
 
     @property
     def measured(self) -> PrintedChange:
-        """As printed, and by the table's own numbers."""
+        """Measured changes: as printed, and from the table's own numbers."""
         return PrintedChange(without=self.without.measured, with_fin=self.with_fin.measured)
 
     def simulated(self, figure: Callable[[AnyCase], float]) -> float:
-        """The change of a simulated figure [%].
+        """Return the change of a simulated figure [%].
 
         Args:
-            figure: Of a case.
+            figure: Function that returns the figure of a case.
         """
         return percent_change(figure(self.without), figure(self.with_fin))
 
 
 def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
-    """What the fin changes, for every case with the fin that has a counterpart without.
+    """Return the changes due to the fin, for every case with the fin that has a counterpart without it.
 
     Args:
-        cases: Of a study.
+        cases: Cases of a study.
     """
     by_row = {id(case.measured): case for case in cases}
     return tuple(
@@ -92,10 +92,10 @@ def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
 
 
 def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
-    """The errors of the simulations of a study, then those of the null models.
+    """Return the errors of the simulations of a study, then those of the null models.
 
     Args:
-        study: What `run_efficiency` or `run_path_following` returned.
+        study: Result of `run_efficiency` or `run_path_following`.
     """
     return _table1(study) if isinstance(study, EfficiencyStudy) else simulated(study) + null_predictions(study)
 
@@ -114,10 +114,10 @@ def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
 
 
 def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
-    """The speeds of every way to simulate Table 2: the chosen one, the others of the band, the cycle mean, own models.
+    """Return the scores of all ways to simulate Table 2: the chosen one, the rest of the band, cycle mean, own models.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     ways: list[tuple[str, int | None, list[FollowingRun]]] = [(runs[0].name, None, runs) for runs in in_all_ways(study)]
     for one in study.own:
@@ -127,10 +127,10 @@ def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
 
 
 def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
-    """The runs of all cases, way by way: the chosen one first, then the others of the band, the cycle mean.
+    """Return the runs of all cases, way by way: the chosen one first, then the rest of the band, then the cycle mean.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     cases, first = study.cases, study.cases[0]
     others = [[case.band[i] for case in cases] for i, run in enumerate(first.band) if run.name != first.run.name]
@@ -138,10 +138,10 @@ def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
 
 
 def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
-    """What the null models, fitted to Table 1, say of Table 2.
+    """Return the predictions of Table 2 by the null models fitted to Table 1.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     known = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]
     others = [case.measured for case in study.cases]
@@ -154,10 +154,10 @@ def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
 
 
 def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_cases"]]:
-    """Energy per meter by group: electrical, above idle, as measured; mechanical as simulated; not comparable [J/m].
+    """Return energy per meter by group: measured electrical, above idle; simulated mechanical; not comparable [J/m].
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     found: dict[str, list[tuple[float, float]]] = {group.name: [] for group in study.settings.groups}
     for case in study.cases:

@@ -1,4 +1,4 @@
-"""The settings of the paper's experiments, from `paper.toml`: what is run, and what the paper prints beside it."""
+"""The settings of the paper's experiments, from `paper.toml`: what is run, and related data printed in the paper."""
 
 import math
 from collections.abc import Mapping
@@ -19,13 +19,13 @@ from laticauda.quantities import one_among, option, quantity, value
 from laticauda.trial.null_models import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
-"""The gait's parameters that the paper sweeps."""
-LEAST_DURATION = 15.0  # a steady part takes 10 s and a gait cycle, 4 s in Table 2 [s]
+"""Gait parameters that the paper sweeps."""
+LEAST_DURATION = 15.0  # a steady part requires 10 s and one gait cycle, 4 s in Table 2 [s]
 
 
 @value
 class SweepSettings:
-    """A range of one parameter of the gait, the other two held."""
+    """A range of one parameter of the gait, with the other two held fixed."""
 
     parameter: str = option("Parameter of the gait", check=one_among(*PARAMETERS))
     low: float = quantity("rad", "Where it begins")
@@ -42,22 +42,22 @@ class SweepSettings:
 
     @property
     def values(self) -> Float[np.ndarray, " n_values"]:
-        """What the parameter is set to, in rising order [rad, rad/s]."""
+        """Values of the parameter, in ascending order [rad, rad/s]."""
         count = math.floor((self.high - self.low) / self.step + 1e-9) + 1
         return self.low + self.step * np.arange(count)
 
     def gait(self, kind: str, value: float) -> lc.Gait:
-        """The gait of one point of the sweep.
+        """Return the gait at one point of the sweep.
 
         Args:
-            kind: The gait's kind.
-            value: Of the parameter [rad, rad/s].
+            kind: Kind of gait.
+            value: Value of the parameter [rad, rad/s].
         """
         angles: dict[str, Any] = {**self.fixed, self.parameter: float(value)}
         return lc.Gait(envelope=gaits.envelope_of(kind), **angles)
 
     def contains(self, gait: lc.Gait) -> bool:
-        """Whether a gait lies on this sweep's line, whatever its kind and its value of the parameter.
+        """Return whether a gait lies on the line of this sweep, whatever its kind and its value of the parameter.
 
         Args:
             gait: Any gait.
@@ -67,7 +67,7 @@ class SweepSettings:
 
 @value
 class Group:
-    """One gait with one configuration of the robot: a part of Table 1, and of Table 2."""
+    """One gait with one configuration of the robot: a part of Tables 1 and 2."""
 
     gait: str = option("The gait's kind")
     robot: str = option("The robot's name (`load_robot`)")
@@ -75,12 +75,12 @@ class Group:
 
     @property
     def has_fin(self) -> bool:
-        """Whether it wears the caudal fin."""
+        """Whether the robot has the caudal fin."""
         return self.robot.endswith("-fin")
 
     @property
     def name(self) -> str:
-        """What tables and files call it."""
+        """Name in tables and files."""
         return group_name(self.gait, self.has_fin)
 
     @property
@@ -96,7 +96,7 @@ class Group:
 
 @value
 class EfficiencySettings:
-    """What the efficiency study runs: every sweep and every case, for every group and set of coefficients."""
+    """Settings of the efficiency study: every sweep and every case is run for every group and set of coefficients."""
 
     duration: float = quantity("s", "Duration of every trial", gt=0.0)
     models: tuple[Coefficients, ...] = option("The curves of every figure; the first one is the paper's own")
@@ -104,20 +104,20 @@ class EfficiencySettings:
     groups: tuple[Group, ...] = option("The parts of Table 1")
 
     def __post_init__(self) -> None:
-        """Check what has a range."""
+        """Check the fields."""
         for name in ("models", "sweeps", "groups"):
             at_least_one(name, getattr(self, name), "entry")
 
     @property
     def n_runs(self) -> int:
-        """How many trials the study takes."""
+        """Number of trials in the study."""
         values = sum(sweep.values.size for sweep in self.sweeps) * len(self.groups)
         return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
 
 
 @value
 class HeldOut:
-    """A published trial of the same robot that no choice here rests on."""
+    """A published trial of the same robot, on which no choice here is based."""
 
     gait: lc.Gait = option("What the joints are asked for, apart from the steering")
     robot: str = option("The robot's name (`load_robot`)")
@@ -129,7 +129,7 @@ class HeldOut:
 
 @value
 class PathFollowingSettings:
-    """What the path-following study runs: every case of Table 2 along the x axis, in every way of the band."""
+    """Settings of the path-following study: all cases of Table 2 along the x axis, in every combination of the band."""
 
     duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
@@ -143,7 +143,7 @@ class PathFollowingSettings:
     own: tuple[Coefficients, ...] = option("Models that run every trial besides, each with its own joints", default=())
 
     def __post_init__(self) -> None:
-        """Check what has a range."""
+        """Check the fields."""
         for name in ("joint_laws", "offset_bandwidths", "groups"):
             at_least_one(name, getattr(self, name), "entry")
         for group in self.groups:
@@ -153,20 +153,20 @@ class PathFollowingSettings:
 
     @property
     def n_cases(self) -> int:
-        """How many cases there are [-]."""
+        """Number of cases [-]."""
         return sum(len(group.figures) for group in self.groups)
 
     def controller(self, gait: lc.Gait, heading_estimate: Any = "raw") -> lc.PathFollowing:
-        """How every run is steered along the x axis.
+        """Return the controller that steers every run along the x axis.
 
         Args:
-            gait: What swims.
-            heading_estimate: Which heading is used: raw or cycle_mean.
+            gait: Gait of the robot.
+            heading_estimate: Heading that is used: raw or cycle_mean.
         """
         return replace(self.following, heading_estimate=heading_estimate).controller(gait)
 
     def band(self, joints: str, offset_bandwidth: float) -> tuple[tuple[str, float], ...]:
-        """Every way to run a case, joint law and bandwidth [rad/s], with the chosen one among them.
+        """Return all combinations of joint law and bandwidth [rad/s] in which a case is run, including the chosen one.
 
         Args:
             joints: The chosen joint law.
@@ -177,7 +177,7 @@ class PathFollowingSettings:
         return tuple(ways if chosen in ways else [chosen, *ways])
 
     def n_runs(self, joints: str, offset_bandwidth: float) -> int:
-        """How many runs the study takes: bands, cycle means, unsteered ones and the held-out one.
+        """Return the number of runs in the study: bands, cycle means, unsteered runs and the held-out run.
 
         Args:
             joints: The chosen joint law.
@@ -189,7 +189,7 @@ class PathFollowingSettings:
 
 @cache
 def efficiency_settings() -> EfficiencySettings:
-    """The settings that come with laticauda; `dataclasses.replace` makes others."""
+    """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
     table = _table("efficiency")
     for sweep in table["sweeps"]:
         sweep["fixed"] = {name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()}
@@ -199,13 +199,13 @@ def efficiency_settings() -> EfficiencySettings:
 
 @cache
 def own_models() -> tuple[Coefficients, ...]:
-    """The project's own models of Mamba, which stand beside the paper's coefficients."""
+    """Return the project's own models of Mamba, used in addition to the paper's coefficients."""
     return tuple(Coefficients.of(lc.load_parameters(own.pop("parameters")), **own) for own in _table("own"))
 
 
 @cache
 def path_following_settings() -> PathFollowingSettings:
-    """The settings that come with laticauda; `dataclasses.replace` makes others."""
+    """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
     table = _table("path_following")
     held = table["held_out"]
     held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
@@ -213,7 +213,7 @@ def path_following_settings() -> PathFollowingSettings:
 
 
 def paper_coefficients() -> Coefficients:
-    """The paper's own coefficients, by gait: the first curve of its figures."""
+    """Return the paper's own coefficients, by gait: the first curve of its figures."""
     return efficiency_settings().models[0]
 
 

@@ -1,8 +1,8 @@
-"""Side trials: the few runs that the paper's claims need beside the studies.
+"""Side trials: the few runs that the paper's claims need in addition to the studies.
 
-Lateral undulation over the phase shift with the joint law of the published simulations; how much the speed depends on
-the added inertia and on the depth; and, as the paper sets the gain by the fin beside that of a robot of twice the
-length, what twice as many links bring in speed, and cost in power.
+They are lateral undulation over the phase shift with the joint law of the published simulations; the dependence of the
+speed on added inertia and depth; and, as the paper compares the gain due to the fin with that of a robot of twice the
+length, the gain in speed and the cost in power of twice as many links.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ def _held() -> tuple[lc.Gait, ...]:
 
 @value
 class SideSettings:
-    """What the side trials run."""
+    """Settings of the side trials."""
 
     phase_shifts: SweepSettings = option("The sweep over the phase shift", default_factory=_phase_shifts)
     gaits: tuple[lc.Gait, ...] = option("Of sensitivities; by default the fastest of Table 1", default_factory=_fast)
@@ -53,7 +53,7 @@ class SideSettings:
     coefficients: Coefficients = option("The water by gait; by default the paper's", default_factory=paper_coefficients)
 
     def __post_init__(self) -> None:
-        """Check what has a range."""
+        """Check the fields."""
         if self.n_links[0] >= self.n_links[1]:
             raise BadArgument("n_links", f"must be two rising numbers, got {self.n_links}")
 
@@ -63,35 +63,35 @@ class Doubling:
     """A robot and a longer one with the same gait."""
 
     kept: str
-    """One of `KEPT`."""
+    """What the two have in common, one of `KEPT`."""
     shorter: lc.Trial
-    """Of the robot with fewer links."""
+    """Trial of the robot with fewer links."""
     longer: lc.Trial
-    """Of the one with more."""
+    """Trial of the robot with more links."""
 
     @property
     def velocity_change(self) -> float:
-        """Of the longer robot against the shorter one [%]."""
+        """Change of the forward velocity from the shorter to the longer robot [%]."""
         return percent_change(self.shorter.forward_velocity, self.longer.forward_velocity)
 
     @property
     def power_factor(self) -> float:
-        """Mechanical power of the longer robot over that of the shorter one [-]."""
+        """Mechanical power of the longer robot divided by that of the shorter one [-]."""
         return self.longer.mechanical_power / self.shorter.mechanical_power
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SideTrials(Study[SideSettings]):
-    """What the side trials found; all without fin. `how` leaves the sweep out."""
+    """Results of the side trials, all without fin; `how` does not describe the sweep."""
 
     pd_velocity: Float[np.ndarray, " n_values"]
     """Forward velocity of lateral undulation over the phase shifts with pd joints [m/s]."""
     by_added_inertia: Mapping[str, float]
     """By gait, change of the forward velocity when the added inertia C_M is 0 instead of the water's [%]."""
     by_depth: Mapping[str, float]
-    """By gait, change of the forward velocity just below the surface, against deep water [%]."""
+    """By gait, change of the forward velocity just below the surface, relative to deep water [%]."""
     doublings: tuple[Doubling, ...]
-    """By gait and, within, by what was kept."""
+    """Doublings, ordered by gait and then by what was kept."""
 
     @property
     def pd_optimum(self) -> float:
@@ -102,7 +102,7 @@ class SideTrials(Study[SideSettings]):
 
     @classmethod
     def by_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
-        """What comes out of `settings`, swum by `runs`."""
+        """Run the trials of `settings` by `runs`, and return the study."""
         by, sweep = runs.model, settings.phase_shifts
         gaits = {gait.kind: gait for gait in settings.gaits}
         runs.n_runs = sweep.values.size + 3 * len(gaits) + 2 * len(KEPT) * len(settings.doubled)

@@ -1,4 +1,4 @@
-"""Pictures and videos of trials, and a window to look at them, with MuJoCo's renderer.
+"""Pictures and videos of trials, and an interactive window to view them, with MuJoCo's renderer.
 
-It needs the extra `spatial`.
+Requires the extra `spatial`.
 """

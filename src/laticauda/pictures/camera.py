@@ -1,4 +1,4 @@
-"""Cameras: one that follows a robot calmly, one beside it, one above it, and one that stands still and sees it all."""
+"""Cameras: one that follows a robot smoothly, one beside it, one above it, and a fixed one that shows everything."""
 
 import math
 from pathlib import Path
@@ -16,20 +16,20 @@ from laticauda.trial import Trial
 
 Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0  # vertical angle of view
-# How far it looks down, and its direction to the robot's own: follow is to its right with the head toward us.
+# Angle below the horizontal, and direction relative to the robot's: `follow` is to its right with the head toward us.
 DIRECTIONS: dict[str, tuple[float, float]] = read_toml(Path(__file__).with_suffix(".toml"))
-ROOM = 1.36  # width of the picture at the robot, in lengths of the robot
-BELOW = 0.07  # how far below the robot `follow` looks, in its lengths: there is its shadow
-CALM, CALM_TURN = 0.75, 1.5  # how far it looks around in time, in periods of the gait
-PERIOD, LONGEST_PERIOD = 2.0, 10.0  # where no gait says, and at most [s]
+ROOM = 1.36  # width of the picture at the robot, in robot lengths
+BELOW = 0.07  # how far below the robot `follow` looks, in robot lengths, to show its shadow
+CALM, CALM_TURN = 0.75, 1.5  # time scales of smoothing, in periods of the gait
+PERIOD, LONGEST_PERIOD = 2.0, 10.0  # period if there is no gait, and longest period [s]
 
 
 @value
 class Film:
-    """What a film or a picture of a trial shows, and how large.
+    """Contents and size of a film or a picture of a trial.
 
     Raises:
-        ValueError: If a field is out of its range.
+        ValueError: If a field is out of range.
     """
 
     size: tuple[int, int] = quantity("", "Width and height in pixels", ge=64, le=4096, default=(1280, 720))
@@ -39,7 +39,7 @@ class Film:
     camera: Camera = option("`follow` turns with it, `side` is beside, `top` above, `fixed` sees all", default="follow")
 
     def span(self, trial: Trial) -> tuple[float, float]:
-        """Where the film begins and ends in a trial [s].
+        """Return the times at which the film begins and ends in a trial [s].
 
         Raises:
             ValueError: If it is not within the trial.
@@ -50,13 +50,13 @@ class Film:
 
 
 def view(trial: Trial, time: float, height: float, film: Film) -> Any:
-    """What a film's camera sees of a trial at a time, as a `MjvCamera`.
+    """Return a film's camera for a trial at a given time, as a `MjvCamera`.
 
     Args:
         trial: Any trial.
-        time: Within the trial's time [s].
-        height: At which a planar robot swims [m].
-        film: Whose camera it is.
+        time: Time within the trial [s].
+        height: Height at which a planar robot swims [m].
+        film: The film with its camera.
     """
     aspect, camera = film.size[0] / film.size[1], film.camera
     if camera == "fixed":
@@ -83,15 +83,15 @@ def look(
     camera: Camera = "follow",
     wide: float = 0.0,
 ) -> Any:
-    """What a camera sees of a robot, as a `MjvCamera`.
+    """Return a camera that looks at a robot, as a `MjvCamera`.
 
     Args:
-        robot: Whom it shows.
+        robot: The robot to show.
         center: Its center of mass [m].
-        heading: Its direction [rad].
-        aspect: Width of the picture to its height [-].
-        camera: `follow` turns with the robot, `side` is beside it, `top` above, `fixed` stays.
-        wide: What it is to see at least [m].
+        heading: Heading of the robot [rad].
+        aspect: Aspect ratio of the picture, width over height [-].
+        camera: `follow` turns with the robot, `side` is beside it, `top` above, `fixed` stays in place.
+        wide: Minimum width to be seen [m].
     """
     down, aside = DIRECTIONS[camera]
     reach, ahead = robot.reach, 0.0 if camera == "fixed" else middle(robot)
@@ -105,31 +105,31 @@ def look(
 
 
 def in_space(center: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
-    """A place, at a height if it is one in the plane [m]."""
+    """Return a position in space, at a given height if it is planar [m]."""
     return center if center.size == 3 else np.append(center, height)
 
 
 def ripple_period(trial: Trial) -> float:
-    """Over which speed and heading go up and down [s]."""
+    """Return the period of the ripple in speed and heading [s]."""
     return min(trial.period or PERIOD, LONGEST_PERIOD)
 
 
 def middle(robot: Robot) -> float:
-    """Middle of the straight robot with its fin, ahead of its center of mass [m]."""
+    """Return how far the middle of the straight robot with its fin is ahead of its center of mass [m]."""
     behind = robot.caudal_fin.length if robot.caudal_fin else 0.0
     return 0.5 * (robot.length - behind) - center_of_mass(robot)
 
 
 def calm(time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: float, width: float) -> np.ndarray:
-    """A signal without its ripple: the straight line that fits best around a moment, there.
+    """Return a signal without its ripple: the value at a moment of the best-fit straight line around it.
 
-    Unlike a mean it does not lag at the ends of the log.
+    Unlike a mean, it does not lag at the ends of the log.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         values: The signal.
         at: The moment [s].
-        width: How far around it samples count: the standard deviation of their weights [s].
+        width: Standard deviation of the samples' weights around that moment [s].
     """
     ago = time - at
     near = np.abs(ago) <= max(3.0 * width, 2.0 * float(np.min(np.abs(ago))))

@@ -20,13 +20,13 @@ from laticauda.pictures import replay, stage
 from laticauda.pictures.camera import Film, ripple_period, view
 from laticauda.trial import Trial
 
-# Of the words: margin and sizes in heights of the picture, and colors.
+# Text: margin and sizes in heights of the picture, and colors.
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
 LINE = 0.0045  # thickness of the lines, in widths of the picture
 WHITE, PALE, RIM = (255, 255, 255), (200, 228, 230), (4, 30, 40)
 Color = tuple[int, int, int]
-PRESET = "veryfast"  # a seventh smaller than `medium` on these pictures, for half the time
-QUALITY = 20  # of H.264's scale, on which less is better and 18 looks like the original
+PRESET = "veryfast"  # files a seventh smaller than with `medium` on these pictures, in half the time
+QUALITY = 20  # on H.264's scale, where lower is better and 18 looks like the original
 
 
 def video(
@@ -38,22 +38,22 @@ def video(
     beside: Sequence[Trial] = (),
     progress: Callable[[float], None] = lambda done: None,
 ) -> None:
-    """Show a trial as a film.
+    """Write a film of a trial.
 
-    A planar trial is shown as it is: the 3D robot takes its postures, nothing is simulated anew.
+    A planar trial is shown unchanged: the 3D robot takes its postures, without a new simulation.
 
     Args:
         trial: Any trial, simulated or real.
         path: An MP4 file, written when the film is complete.
-        film: Its size, which has to be even, its pace, its part of the trial, and the camera.
-        speed: 2 shows the trial twice as fast [-].
-        beside: Of other robots in the same scene, from `laticauda.swim_together`.
-        progress: Called with how much of the trial has been filmed [s].
+        film: Its size (which must be even), frame rate, part of the trial, and camera.
+        speed: Playback speed; 2 is twice as fast [-].
+        beside: Trials of other robots in the same scene, from `laticauda.swim_together`.
+        progress: Called with the filmed duration of the trial [s].
 
     Raises:
         MissingExtra: If MuJoCo or PyOpenGL is not installed.
         MissingProgram: If the system has no ffmpeg or no EGL.
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of range.
     """
     step = positive("speed", speed) / film.frames_per_second
     begin, end = film.span(trial)
@@ -79,14 +79,14 @@ def still(
     time: float | None = None,
     beside: Sequence[Trial] = (),
 ) -> None:
-    """Show one moment of a trial, as a film shows it.
+    """Write a picture of one moment of a trial, as in a film.
 
     Args:
         trial: Any trial, simulated or real.
         path: A PNG file.
-        film: Its size, and the camera.
-        time: The moment [s]; None is the end of the film.
-        beside: Of other robots in the same scene.
+        film: Its size and camera.
+        time: The moment [s]; None: the end of the film.
+        beside: Trials of other robots in the same scene.
     """
     begin, end = film.span(trial)
     moment = end if time is None else within("time", time, begin, end, "s")
@@ -97,14 +97,14 @@ def still(
 def pictures(
     trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0, beside: Sequence[Trial] = ()
 ) -> Iterator[stage.Picture]:
-    """Pictures of a trial, words included.
+    """Yield pictures of a trial, including text.
 
     Args:
         trial: Any trial, simulated or real.
-        film: Their size, and the camera.
-        moments: Of which [s].
-        speed: What the words say of the film's [-].
-        beside: Of other robots in the same scene.
+        film: Their size and camera.
+        moments: Times of the pictures [s].
+        speed: Playback speed as stated in the text [-].
+        beside: Trials of other robots in the same scene.
     """
     with closing(replay.studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
         height, width = studio.height, LINE * film.size[0]
@@ -123,13 +123,13 @@ def pictures(
 
 
 def check_video() -> None:
-    """Refuse a video that cannot be made here, before there is a trial to show; it raises what `video` does."""
+    """Check in advance that a video can be made here; raises the same errors as `video`."""
     ffmpeg()
     stage.check_offscreen()
 
 
 def speed_at(trial: Trial, time: float) -> float:
-    """Speed of the center of mass over the last period of the gait, so without its ripple [m/s]."""
+    """Return the speed of the center of mass over the last period of the gait, and hence without its ripple [m/s]."""
     moments = max(time - ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
@@ -138,7 +138,7 @@ def speed_at(trial: Trial, time: float) -> float:
 
 
 def words(trial: Trial, speed: float = 1.0) -> list[str]:
-    """Who swims, how, and how fast it is shown."""
+    """Return text on the robot, its gait, and the playback speed."""
     lines = [trial.robot.name]
     if trial.gait is not None:
         gait = trial.gait
@@ -156,10 +156,10 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
 
 
 def write_words(picture: stage.Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> stage.Picture:
-    """The picture with its words.
+    """Return the picture with text on it.
 
     Args:
-        picture: What to write on.
+        picture: The picture to write on.
         large: Figures with their units, from left to right at the top.
         small: Lines at the bottom left.
     """
@@ -180,7 +180,7 @@ def write_words(picture: stage.Picture, large: Sequence[tuple[str, str]], small:
 
 
 def _write(image: Any, at: tuple[int, int], words: str, size: int, font: str, color: Color) -> int:
-    """Words whose first one's foot is at a place; how long they are [pixels]."""
+    """Write text with the start of its baseline at a place; return its length [pixels]."""
     label, length = _label(words, size, font, color)
     image.paste(label, (at[0] - size, at[1] - 2 * size), label)
     return length
@@ -188,9 +188,9 @@ def _write(image: Any, at: tuple[int, int], words: str, size: int, font: str, co
 
 @lru_cache(maxsize=256)
 def _label(words: str, size: int, font: str, color: Color) -> tuple[Any, int]:
-    """Words with room around them, and a dark rim so that they can be read on anything; and their length [pixels].
+    """Return text with a margin and a dark outline, legible on any background, and its length [pixels].
 
-    The font comes with matplotlib, and so is everywhere.
+    The font comes with matplotlib and is therefore always available.
     """
     file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"{font}.ttf"
     letters = ImageFont.truetype(str(file), size)
@@ -205,11 +205,11 @@ def _label(words: str, size: int, font: str, color: Color) -> tuple[Any, int]:
 
 
 class VideoFailed(LaticaudaError, RuntimeError):
-    """The program ffmpeg did not write the video: it says why."""
+    """The program ffmpeg did not write the video; the message says why."""
 
 
 def ffmpeg() -> str:
-    """The program.
+    """Return the path of the program ffmpeg.
 
     Raises:
         MissingProgram: If the system does not have it.
@@ -223,17 +223,17 @@ def ffmpeg() -> str:
 def write_video(
     pictures: Iterable[stage.Picture], path: str | Path, *, size: tuple[int, int], frames_per_second: float
 ) -> None:
-    """Write pictures to an MP4 file (H.264, yuv420p); an older file is replaced when all is written.
+    """Write pictures to an MP4 file (H.264, yuv420p); an existing file is replaced upon completion.
 
     Args:
-        pictures: All of the same size.
+        pictures: Pictures, all of the same size.
         path: The file, which ends in .mp4.
         size: Width and height of a picture, both even [pixels].
-        frames_per_second: [1/s].
+        frames_per_second: Frame rate [1/s].
 
     Raises:
         MissingProgram: If there is no ffmpeg.
-        VideoFailed: If it gives up.
+        VideoFailed: If ffmpeg fails.
         StorageFailed: If the file cannot be written.
     """
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
@@ -241,10 +241,10 @@ def write_video(
     words += ["-preset", PRESET, "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
 
     def encode(new: Path) -> None:
-        # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
+        # Its messages go to a file: a pipe that is not read could fill up and block it.
         with tempfile.TemporaryFile() as complaints:
             process = subprocess.Popen([*words, str(new)], stdin=subprocess.PIPE, stderr=complaints)
-            with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
+            with suppress(BrokenPipeError), process:  # then ffmpeg has already ended; its status says why
                 assert process.stdin is not None
                 for picture in pictures:
                     process.stdin.write(picture.tobytes())

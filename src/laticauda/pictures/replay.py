@@ -1,6 +1,6 @@
-"""The 3D robot of a trial in its water, moved through the trial's postures: nothing is simulated anew.
+"""The 3D robot of a trial in its water, moved through the trial's postures without a new simulation.
 
-Lines beside it are the trail of the center of mass, and the path that the run followed.
+Lines show the trail of the center of mass, and the path that the run followed.
 """
 
 import math
@@ -24,16 +24,16 @@ from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
 from laticauda.trial.following import nearest_points
 
-PICTURES_PER_SECOND, MOMENTS = 60.0, 12  # MOMENTS: in which moving water is looked at, to see how fast it is
+PICTURES_PER_SECOND, MOMENTS = 60.0, 12  # MOMENTS: number of times at which moving water is sampled for its speed
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
 
 
 def studio_of(trial: Trial, **options: Any) -> Studio:
-    """The place of a trial, as it is shown.
+    """Return the studio that shows a trial.
 
     Args:
         trial: Any trial, simulated or real.
-        options: Of the studio.
+        options: Further arguments of `Studio`.
     """
     place, times = trial.center_of_mass, trial.time[:: max(trial.time.size // MOMENTS, 1)].tolist()
     way = np.array((place.min(axis=0), place.max(axis=0)))
@@ -41,15 +41,15 @@ def studio_of(trial: Trial, **options: Any) -> Studio:
 
 
 def posture_at(trial: Trial, time: float, height: float) -> Posture:
-    """Where the robot is: between samples, smoothly.
+    """Return the robot's posture, smoothly interpolated between samples.
 
     Args:
         trial: Any trial, planar or spatial.
-        time: Within the trial's time [s].
-        height: At which a planar robot swims [m].
+        time: Time within the trial [s].
+        height: Height at which a planar robot swims [m].
 
     Raises:
-        ValueError: If a measured trial does not say how the robot was bent.
+        ValueError: If a measured trial does not contain how the robot was bent.
     """
     trial.need("a picture of the robot", "joint_angle", "heading")
     before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
@@ -79,15 +79,15 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
 
 
 class NoWindow(LaticaudaError, RuntimeError):
-    """A window cannot be opened here: it says why, and what to do instead."""
+    """A window cannot be opened here; the message says why, and what to do instead."""
 
 
 def show(trial: Trial, *, speed: float = 1.0) -> None:
-    """Open MuJoCo's window and repeat a trial in it until it is closed.
+    """Open MuJoCo's window and replay a trial in it repeatedly until it is closed.
 
     Args:
         trial: Any trial, simulated or real.
-        speed: 2 shows it twice as fast [-].
+        speed: Playback speed; 2 is twice as fast [-].
 
     Raises:
         NoWindow: If there is no screen.
@@ -99,7 +99,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
     glfw: Any = import_module("glfw")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what it complains about is said below
+        warnings.simplefilter("ignore")  # the exceptions below report it
         if not glfw.init():
             raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
     stage = studio_of(trial)
@@ -109,7 +109,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         stage.model, stage.data, show_left_ui=False, show_right_ui=False
     ) as window:
         with window.lock():
-            window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # from where a film begins; the mouse moves it
+            window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # starts as in a film; the mouse moves it
             window.cam.trackbodyid = stage.model.body("module_0").id
             first = view(trial, float(trial.time[0]), stage.height, Film())
             for name in ("lookat", "distance", "azimuth", "elevation"):
@@ -128,30 +128,30 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
 
 # ---- lines ----------------------------------------------------------------------------------------------------------
 
-TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], how far above the axis, in half heights of the body
+TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], height above the axis in half heights of the body
 TRAIL_COLOR = np.array((1.0, 0.85, 0.40))
-DASH, MOST_DASHES = 0.05, 1500  # in lengths of the robot, [-]
+DASH, MOST_DASHES = 0.05, 1500  # in robot lengths, [-]
 PATH_COLOR = np.array((0.92, 0.97, 0.98))
 Points = Float[np.ndarray, "n_points n_axes"]
 Dashes = list[tuple[np.ndarray, np.ndarray]]
 
 
 def centers(trial: Trial, moments: Sequence[float]) -> Points:
-    """Where the center of mass is at these times, in as many axes as the trial has [m]."""
+    """Return the center of mass at these times, in as many axes as the trial has [m]."""
     columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
     return np.stack(columns, axis=1)
 
 
 def trail_points(trial: Trial, time: float, height: float) -> Points:
-    """Points of the center of mass's way up to a time, the newest last [m].
+    """Return points of the center of mass's path up to a time, the newest last [m].
 
     Args:
         trial: Any trial.
-        time: Within the trial's time [s].
-        height: At which a planar robot swims [m].
+        time: Time within the trial [s].
+        height: Height at which a planar robot swims [m].
     """
     first = max(math.ceil(trial.time[0] / TRAIL_STEP), math.floor(time / TRAIL_STEP) - TRAIL_PIECES)
-    # Always at the same moments, or the corners of the line would move along it.
+    # Always at the same times; otherwise the corners of the line would move along it.
     moments = [*(k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)), time]
     points = np.full((len(moments), 3), height)
     points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
@@ -159,14 +159,14 @@ def trail_points(trial: Trial, time: float, height: float) -> Points:
 
 
 def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: float) -> None:
-    """Draw the trail into a scene, above the body, older pieces darker.
+    """Draw the trail in a scene, above the body, with older pieces darker.
 
     Args:
         scene: A `MjvScene` that is about to be drawn.
         trial: Any trial.
-        time: Within the trial's time [s].
-        height: At which a planar robot swims [m].
-        width: Of the line [pixels].
+        time: Time within the trial [s].
+        height: Height at which a planar robot swims [m].
+        width: Width of the line [pixels].
     """
     points = trail_points(trial, time, height)
     points[:, 2] += OVER * max(module.section.half_height for module in trial.robot.modules)
@@ -176,12 +176,12 @@ def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: floa
 
 
 def path_dashes(trial: Trial, height: float) -> Dashes:
-    """The path that was followed as dashes below the body [m]; none if there was no path."""
+    """Return the path that was followed as dashes below the body [m]; empty if there was no path."""
     if "cross_track_error" not in trial.signals or trial.time.size < 2:
         return []
     points, dash = nearest_points(trial), DASH * trial.robot.reach
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    # Samples go back and forth along the path with every stroke: only what is new counts.
+    # Samples move back and forth along the path with every stroke: only progress counts.
     along = np.maximum.accumulate(trial.signals["along_track_distance"])
     keep = np.append(True, (np.diff(along) > 1e-6) & (steps < dash))
     if np.count_nonzero(keep) < 2:
@@ -198,7 +198,7 @@ def path_dashes(trial: Trial, height: float) -> Dashes:
 
 
 def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"]:
-    """Height of the path at the samples [m]: its own, if it leads through space; else that of the robot, all in all."""
+    """Return the height of the path at the samples [m]: its own for a path in space, else the robot's mean height."""
     if "height_error" in trial.signals:
         above = trial.signals["height_error"] * np.cos(trial.signals["path_climb"])
         return trial.center_of_mass[:, 2] - above
@@ -207,6 +207,6 @@ def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"
 
 
 def draw_path(scene: Any, dashes: Dashes, width: float) -> None:
-    """Draw what `path_dashes` gave into a scene, as lines of so many pixels."""
+    """Draw the dashes from `path_dashes` in a scene, as lines `width` pixels wide."""
     for one, other in dashes:
         add_piece(scene, one, other, width, PATH_COLOR, "LINE")

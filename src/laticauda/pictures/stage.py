@@ -1,4 +1,4 @@
-"""A robot in its place as MuJoCo draws it: light, shadows, water, and the renderer in front of it; no simulation."""
+"""A robot in its surroundings as drawn by MuJoCo: light, shadows, water and the renderer; no simulation."""
 
 import os
 import platform
@@ -25,41 +25,41 @@ from laticauda.spatial.model import SpatialPlant
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
 MOST_SHAPES = 4000
-MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
-DEEP = 2.0  # to which a robot in space may dive above the floor, where nobody knows how deep it will [m]
-NEAR = 0.3  # the surface, so that it is shown [m]
+MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot without one is shown, and minimum depth of the floor [m]
+DEEP = 2.0  # depth to which a robot in space may dive above the floor, if its range is unknown [m]
+NEAR = 0.3  # distance to the surface within which the surface is shown [m]
 NEARBY = np.array(((-2.0, -2.0), (2.0, 2.0)))
-CLEARANCE = 0.45  # least height over the floor [m]
+CLEARANCE = 0.45  # minimum height above the floor [m]
 SIZE = (640, 360)  # [pixels]
 Picture = UInt8[np.ndarray, "height width 3"]
 
 
 class Posture(NamedTuple):
-    """One instant of a robot."""
+    """Posture of a robot at one instant."""
 
     center_of_mass: Float[np.ndarray, "3"]
-    """[m]."""
+    """Position of the center of mass [m]."""
     orientation: Float[np.ndarray, "4"]
-    """Of module 0, a quaternion (w, x, y, z) [-]."""
+    """Orientation of module 0, a quaternion (w, x, y, z) [-]."""
     joint_angle: Float[np.ndarray, " n_joints"]
-    """Of all joints of the robot, those that the planar model holds included [rad]."""
+    """Angles of all joints of the robot, including those that the planar model holds straight [rad]."""
     fin_angle: Float[np.ndarray, " n_fin_joints"]
-    """Of the joints of a fin that is driven or bends, from its root on; straight if nothing is known of it [rad]."""
+    """Angles of the joints of a driven or bending fin, starting at its root; straight if they are unknown [rad]."""
     time: float = 0.0
-    """Since the start of the run, which moving water goes by [s]."""
+    """Time since the start of the run, which determines the motion of the water [s]."""
 
 
 class Studio:
-    """The model of a robot and its place, its state, and a camera in front of it; a resource to be closed.
+    """The model of a robot and its surroundings, its state, and a camera; a resource to be closed.
 
     Args:
-        robot: Who is seen.
-        environment: Where.
-        model: Whose settings say what else is there; None: nothing.
-        others: Further robots there.
-        way: Two corners of where its center of mass will be, in space or, if it swims in one, in a plane [m].
-        times: Some in which it will be shown [s].
-        size: Width and height of pictures that will be taken of it [pixels].
+        robot: The robot to show.
+        environment: Environment of the robot.
+        model: Model whose settings define what else is there; None: nothing.
+        others: Further robots in the same surroundings.
+        way: Two corners of the region of its center of mass, in space or, for a planar run, in the plane [m].
+        times: Some of the times at which it will be shown [s].
+        size: Width and height of the pictures [pixels].
 
     Raises:
         MissingExtra: If MuJoCo or, at the first picture, PyOpenGL is not installed.
@@ -88,7 +88,7 @@ class Studio:
         """Height of the floor of the water, or of the ground [m]."""
         level = 0.0 if scene is None else scene.level
         self.water = MovingWater(environment, robot.reach, way, times)
-        """How the water moves."""
+        """Motion of the water."""
         waves = self.water.mesh(spec)
         level = level if not on_land and (waves or highest > level - NEAR) else None
         add_surroundings(spec, environment, floor=self.floor, length=robot.reach, level=level, waves=waves)
@@ -99,7 +99,7 @@ class Studio:
         self._casters = casters(self.model)
 
     def take(self, posture: Posture, *others: Posture) -> int | None:
-        """Bend and put the robot so, and the others there; the mesh that a renderer has to be sent then, if any."""
+        """Set the postures of the robot and of the others; return the mesh to be sent to a renderer, if any."""
         mujoco, data = load_mujoco(), self.data
         for k, one in enumerate((posture, *others)):
             body = self.model.body(f"{mjcf.prefix(k)}module_0")
@@ -117,7 +117,7 @@ class Studio:
 
     @classmethod
     def of(cls, plant: Plant[Any], size: tuple[int, int] = SIZE) -> "Studio":
-        """One for states of a plant."""
+        """Return a studio for states of a plant."""
         heights = [[-DEEP], [swimming_height(plant.robot, plant.environment)]]
         way = np.append(NEARBY, heights, axis=1) if isinstance(plant, SpatialPlant) else NEARBY
         return cls(plant.robot, plant.environment, plant.settings, way=way, size=size)
@@ -133,22 +133,22 @@ class Studio:
         decorate: Callable[[Any], None] | None = None,
         others: Sequence[Posture] = (),
     ) -> Picture:
-        """What a camera sees.
+        """Return the picture seen by a camera.
 
         Args:
-            posture: Of the robot.
+            posture: Posture of the robot.
             camera: A `MjvCamera`; None: beside the robot, always in the same direction.
-            decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
-            others: Of the other robots.
+            decorate: Called with the `MjvScene` before it is drawn, to add what is not in the model.
+            others: Postures of the other robots.
         """
         surface, renderer, flags = self.take(posture, *others), self._renderer, load_mujoco().mjtRndFlag
         if surface is not None:
             renderer._gl_context.make_current()
             load_mujoco().mjr_uploadMesh(self.model, renderer._mjr_context, surface)
         aspect = renderer.width / renderer.height
-        wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # it may look anywhere
+        wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # the robot may face in any direction
         camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
-        # Planes without end are put where the camera was before.
+        # Infinite planes are placed where the camera was before.
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
         renderer.update_scene(self.data, camera)
         scene = renderer.scene
@@ -161,23 +161,23 @@ class Studio:
         return renderer.render()
 
     def close(self) -> None:
-        """Give back the graphics memory."""
+        """Release the graphics memory."""
         if "_renderer" in vars(self):
             self._renderer.close()
 
 
 def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
-    """How a plant's robot lies in a state.
+    """Return the posture of a plant's robot in a state.
 
     Args:
-        plant: Of either model.
-        state: One of its.
+        plant: A plant of either model.
+        state: A state of the plant.
     """
     seen, robot = plant.observe(state), plant.robot
     if isinstance(plant, SpatialPlant):
         qpos = plant.data(state).qpos
         turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
-        first = 3 if plant.settings.root == "planar" else 7  # behind the robot's may be what moves in its scene
+        first = 3 if plant.settings.root == "planar" else 7  # moving parts of its scene may follow the robot's
         angles, n = qpos[first:][: len(robot.joints) + len(robot.fin_joints)], robot.n_joints
         return Posture(seen.center_of_mass, turned, angles[:n], angles[n:], float(seen.time))
     assert isinstance(plant, PlanarPlant)
@@ -190,15 +190,15 @@ def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
 def flat_posture(
     robot: Robot, center: np.ndarray, tail: float, joint_angle: np.ndarray, fin_angle: np.ndarray, height: float
 ) -> Posture:
-    """The posture of a robot that is upright.
+    """Return the posture of an upright robot.
 
     Args:
-        robot: All its joints; where only its yaw joints' angles are known, the others are straight.
-        center: Of mass, in the plane or in space [m].
+        robot: The robot with all its joints; if only angles of its yaw joints are known, the others are straight.
+        center: Center of mass, in the plane or in space [m].
         tail: Angle of its tail link [rad].
-        joint_angle: Of all joints, or of the yaw joints alone [rad].
-        fin_angle: Of the fin's joints [rad].
-        height: Where it is if `center` does not say [m].
+        joint_angle: Angles of all joints, or of the yaw joints only [rad].
+        fin_angle: Angles of the fin's joints [rad].
+        height: Its height if `center` is planar [m].
     """
     if joint_angle.size < robot.n_joints:
         yaw, joint_angle = joint_angle, np.zeros(robot.n_joints)  # the planar model holds the others straight
@@ -207,29 +207,29 @@ def flat_posture(
 
 
 def upright(angle: float) -> Float[np.ndarray, "4"]:
-    """The orientation that a turn about the vertical gives [rad]."""
+    """Return the orientation after a rotation about the vertical [rad]."""
     return np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
 
 
 def swimming_height(robot: Robot, environment: Environment) -> float:
-    """Height at which a planar robot is shown [m]; the surface of the water, or the ground, is at 0."""
+    """Return the height at which a planar robot is shown [m]; the water surface, or the ground, is at 0."""
     if isinstance(environment, Ground):
         return mjcf.start_height(robot, environment)
-    if environment.depth is None:  # a flow acts on it as at the surface
+    if environment.depth is None:  # a flow acts on it as if at the surface
         return 0.0 if has_waves(environment.flow, np.zeros(2)) else -MID_WATER
     return -environment.depth
 
 
 def check_offscreen() -> None:
-    """Refuse what cannot be rendered here; errors as for `Studio`."""
+    """Check that rendering is possible here; raises the same errors as `Studio`."""
     renderer_of(load_mujoco().MjSpec().compile()).close()
 
 
 def renderer_of(model: Any) -> Any:
-    """MuJoCo's renderer of a model, as large as its off-screen buffer.
+    """Return MuJoCo's renderer of a model, as large as its off-screen buffer.
 
-    Without a word from the environment variable `MUJOCO_GL` it draws with EGL on Linux, which needs no screen; MuJoCo's
-    own choice, made when it was imported, may need one.
+    If the environment variable `MUJOCO_GL` is not set, it draws with EGL on Linux, which needs no screen; MuJoCo's own
+    choice, made when it was imported, may need one.
     """
     mujoco = load_mujoco()
     optional_import("Rendering", "PyOpenGL", "spatial", "OpenGL")

@@ -1,6 +1,6 @@
-"""What is around a robot in a picture: water with its depth above a tiled floor, or dry land, and the sun.
+"""Surroundings of a robot in a picture: water with its depth above a tiled floor, or dry land, and the sun.
 
-Water that moves is arrows around the robot, and a surface that rises and falls.
+Moving water is shown as arrows around the robot, and a surface that rises and falls.
 """
 
 from collections.abc import Sequence
@@ -19,38 +19,38 @@ from laticauda.robot import Environment, Ground, Water
 from laticauda.spatial.appearance import HULL
 
 SAMPLES = 4  # per pixel
-TILE = 0.5  # side of a tile of the floor [m]
-COARSE, FINE = 128, 512  # sides of a picture of a grid, and of one of flecks [pixels]
-SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water; it is drawn twice
+TILE = 0.5  # side of a floor tile [m]
+COARSE, FINE = 128, 512  # sides of the texture of a grid, and of that of flecks [pixels]
+SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water, whose surface is drawn twice
 WHITE = (1.0, 1.0, 1.0)
-LINES = (0.55, 0.85, 0.9)  # on a surface that moves, drawn twice as it
+LINES = (0.55, 0.85, 0.9)  # on a moving surface, which is also drawn twice
 UNDER = 0.01  # how far the floor is below a terrain's lowest place [m]
-GLINTS, GRAINS = 0.002, 0.25  # shares of it that glitter, so that one sees where it is; and of sand that are darker
+GLINTS, GRAINS = 0.002, 0.25  # share of the surface that glitters, to make it visible, and of sand that is darker
 SUN = np.array((0.14, 0.10, -1.0))
-SHADE = 0.42  # brightness of a shadow, to that of the ground
-THIN, ABOVE = 2e-3, 3e-3  # what is left of a shape's height in its shadow, and how high that lies [-], [m]
-CASTS_ON = np.array([1, 0, 0, 0, 0, 0], np.uint8)  # groups of the shapes on which shadows fall: the place's
-WATERY = 2  # group of what they do not fall on
-CLEAR = 0.5  # the fog of `Look` is that for a robot of 2 m; it grows with longer ones [1/m]
+SHADE = 0.42  # brightness of a shadow relative to the ground
+THIN, ABOVE = 2e-3, 3e-3  # share of a shape's height that is left in its shadow, and the height of the shadow [-], [m]
+CASTS_ON = np.array([1, 0, 0, 0, 0, 0], np.uint8)  # groups of shapes that receive shadows: the surroundings
+WATERY = 2  # group of shapes that receive none
+CLEAR = 0.5  # the fog distances of `Look` hold for a robot of 2 m and increase for longer ones [1/m]
 Color = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """Colors and light of a place; by default of one under water."""
+    """Colors and light of the surroundings; the defaults are those under water."""
 
     floor: Color = (0.36, 0.55, 0.56)
     """Red, green and blue of the floor."""
     line: float = 0.76
-    """Brightness of the grid's lines, to that of the floor [-]."""
+    """Brightness of the grid lines relative to the floor [-]."""
     far: Color = (0.032, 0.235, 0.310)
-    """What everything far away fades to."""
+    """Color to which distant objects fade."""
     above: Color = (0.30, 0.66, 0.70)
-    """The color overhead."""
+    """Color overhead."""
     fog: tuple[float, float] = (1.2, 8.0)
-    """Where it begins to fade, and where it has faded [m]."""
+    """Distances at which fading begins and ends [m]."""
     ambient: Color = (0.34, 0.40, 0.42)
-    """Light from everywhere."""
+    """Ambient light."""
 
 
 WATER, AIR, LAND = (codec.decode(Look, one) for one in read_toml(Path(__file__).with_name("looks.toml")).values())
@@ -59,19 +59,19 @@ WATER, AIR, LAND = (codec.decode(Look, one) for one in read_toml(Path(__file__).
 def add_surroundings(
     model: Any, environment: Environment, *, floor: float, length: float, level: float | None, waves: str | None = None
 ) -> None:
-    """Floor, light and all that is far away into a `MjSpec`.
+    """Add floor, light and background to a `MjSpec`.
 
     Args:
-        model: With the robot in it.
-        environment: Where it is.
+        model: The `MjSpec` with the robot.
+        environment: Environment of the robot.
         floor: Height of the floor [m].
-        length: Of the robot, which everything has to fit [m].
-        level: Height of the surface of the water; None: it is not to be seen [m].
-        waves: The mesh that is the surface; None: it is level.
+        length: Length of the robot, to which the surroundings are scaled [m].
+        level: Height of the water surface; None: not visible [m].
+        waves: Mesh of the surface; None: it is level.
     """
     look = LAND if isinstance(environment, Ground) else WATER if level is None else AIR
     for bare in [*model.lights, *(texture for texture in model.textures if texture.name == "sky")]:
-        model.delete(bare)  # a scene's own light is for other programs
+        model.delete(bare)  # a scene's own lights are for other programs
     for geom in model.worldbody.geoms:
         if geom.name == "water":
             geom.rgba, geom.material = (0.0, 0.0, 0.0, 0.0), ""
@@ -92,7 +92,7 @@ def add_surroundings(
 
 
 def _add_light(model: Any, look: Look, length: float) -> None:
-    """Sun, fog and background."""
+    """Add sun, fog and background."""
     kind = load_mujoco()
     model.stat.extent = 1.0  # so that the lengths below are in meters
     visual = model.visual
@@ -111,7 +111,7 @@ def _add_light(model: Any, look: Look, length: float) -> None:
 
 
 def _add_floor(model: Any, look: Look, height: float) -> None:
-    """A tiled plane without end, beneath a terrain; on flat ground it is the one that the robot lies on."""
+    """Add an infinite tiled plane beneath any terrain; on flat ground, tile the plane that the robot lies on."""
     material = model.add_material(name="floor", specular=0.0, rgba=(*look.floor, 1.0))
     _mark(model, material, WHITE, (look.line, look.line, look.line), 1.0 / TILE)
     terrain = [geom.pos[2] - UNDER for geom in model.geoms if geom.name in ("shore", "terrain")]
@@ -121,15 +121,15 @@ def _add_floor(model: Any, look: Look, height: float) -> None:
 
 
 def _mark(model: Any, material: Any, color: Color, mark: Color, repeat: float, *, flecks: float | None = None) -> None:
-    """A pattern on a material, which shows where it is: a grid, or flecks.
+    """Add a pattern to a material to make it visible: a grid, or flecks.
 
     Args:
         model: A `MjSpec`.
-        material: One of its.
-        color: What its own is multiplied with [-].
-        mark: The same on the lines or the flecks [-].
-        repeat: How often the pattern comes again [1/m].
-        flecks: Their share of the material; None: a grid [-].
+        material: One of the model's materials.
+        color: Factor on the material's own color [-].
+        mark: Factor on the color of the lines or the flecks [-].
+        repeat: Repetitions of the pattern per length [1/m].
+        flecks: Share of flecks in the material; None: a grid [-].
     """
     kinds, name, size = load_mujoco(), material.name, COARSE if flecks is None else FINE
     texture = model.add_texture(name=name, type=kinds.mjtTexture.mjTEXTURE_2D, width=size, height=size)
@@ -152,7 +152,7 @@ def _add_plane(model: Any, name: str, height: float) -> Any:
 
 
 def casters(model: Any) -> Int[np.ndarray, " n"]:
-    """The shapes that cast shadows: of everything that moves those to collide with, or those to see if it has no such.
+    """Return the shapes that cast shadows: the collision shapes of moving bodies, or visual ones if they have none.
 
     Args:
         model: A `MjModel`.
@@ -164,15 +164,15 @@ def casters(model: Any) -> Int[np.ndarray, " n"]:
 
 
 def draw_shadows(scene: Any, model: Any, data: Any, casters: Int[np.ndarray, " n"]) -> None:
-    """Draw what the sun's light makes of shapes: each flattened onto what is beneath it.
+    """Draw the shadows of shapes in the sun, each flattened onto what is beneath it.
 
-    A shadow map would cost more than all else in software, and has ragged edges.
+    In software rendering, a shadow map would cost more than everything else, and its edges are ragged.
 
     Args:
         scene: A `MjvScene` that is about to be drawn.
         model: Its `MjModel`.
         data: Its `MjData`.
-        casters: Those shapes.
+        casters: The shapes that cast shadows.
     """
     shapes, bodies = scene.geoms, set(model.geom_bodyid[casters].tolist())
     grounds = {body: _ground_below(model, data, body) for body in bodies}
@@ -183,12 +183,12 @@ def draw_shadows(scene: Any, model: Any, data: Any, casters: Int[np.ndarray, " n
             mat, pos = flat @ data.geom_xmat[k].reshape(3, 3), flat @ data.geom_xpos[k] + shift
             shadow = shapes[scene.ngeom]
             load_mujoco().mjv_initGeom(shadow, model.geom_type[k], model.geom_size[k], pos, mat.ravel(), color)
-            shadow.dataid, shadow.specular = 2 * model.geom_dataid[k], 0.0  # of a mesh, of which each has two lists
+            shadow.dataid, shadow.specular = 2 * model.geom_dataid[k], 0.0  # of a mesh: each has two display lists
             scene.ngeom += 1
 
 
 def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """How the shadow of a body falls: what flattens a place, what shifts it then, and its color; None: on nothing."""
+    """Return a body's shadow as a flattening matrix, a shift to add, and a color; None if it falls on nothing."""
     geom, normal = np.zeros((1, 1), np.int32), np.zeros((3, 1))
     middle = data.xipos[body]
     distance = load_mujoco().mj_ray(model, data, middle, SUN, CASTS_ON, True, body, geom, normal)
@@ -204,7 +204,7 @@ def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndar
 
 
 def add_piece(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray, kind: str) -> None:
-    """A piece of a `LINE` [pixels], or an `ARROW` [m], into a scene that is about to be drawn."""
+    """Add a piece of a `LINE` [pixels], or an `ARROW` [m], to a scene that is about to be drawn."""
     if scene.ngeom < scene.maxgeom:
         mujoco, geom, zero = load_mujoco(), scene.geoms[scene.ngeom], np.zeros(3)
         shape = getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")
@@ -215,21 +215,21 @@ def add_piece(scene: Any, one: np.ndarray, other: np.ndarray, width: float, colo
 
 # ---- water that moves ------------------------------------------------------------------------------------------------
 
-SHAFT = 0.004  # width of an arrow, in lengths of the robot
-FAINT = 0.05  # length of an arrow that is left out, to the way from one to the next [-]
+SHAFT = 0.004  # width of an arrow, in robot lengths
+FAINT = 0.05  # length below which an arrow is omitted, relative to the spacing of arrows [-]
 COLOR = np.array((0.80, 0.95, 1.0))
-CORNERS = 81  # of the surface, along a side
+CORNERS = 81  # vertices of the surface along a side
 NAME = "waves"
 
 
 class MovingWater:
-    """The water of a picture, if it moves.
+    """The water of a picture, which may be moving.
 
     Args:
-        environment: Where the robot is.
-        length: Of the robot [m].
-        way: Two corners of where it will be shown, in the plane or in space, world axes [m].
-        times: In which it is shown [s].
+        environment: Environment of the robot.
+        length: Length of the robot [m].
+        way: Two corners of the region in which it will be shown, in the plane or in space, world axes [m].
+        times: Times at which it is shown [s].
     """
 
     def __init__(self, environment: Environment, length: float, way: np.ndarray, times: Sequence[float]) -> None:
@@ -238,17 +238,17 @@ class MovingWater:
             flow = environment.flow
             self._arrows = arrows_of(environment.velocity, way[0], way[1], times, length, flow)
         self.words = [self._arrows.words] if self._arrows else []
-        """What there is to say of the arrows."""
+        """Text about the arrows."""
         self.surface: Surface | None = None
-        """If it moves."""
+        """The surface of the water if it moves, else None."""
         if flow is not None and has_waves(flow, way[0]):
             self.surface = Surface(flow, max(1.0, CLEAR * length) * AIR.fog[1], CORNERS)
 
     def mesh(self, model: Any) -> str | None:
-        """Put a mesh into a `MjSpec` that `move` makes the surface; its name, or None if that is level."""
+        """Add the surface's mesh, shaped by `move`, to a `MjSpec`; return its name, or None if the surface is level."""
         if self.surface is None:
             return None
-        # Upright and oblong for now: so the axes of its inertia, which MuJoCo takes for its own, are the world's.
+        # Upright and oblong at first, so that its principal axes, which MuJoCo adopts as its own, are the world's.
         x, y = grid(self.surface.line, self.surface.line).T
         faces, inertia = self.surface.faces, load_mujoco().mjtMeshInertia.mjMESH_INERTIA_SHELL
         upright = np.column_stack((0.0 * x, x, 2.0 * y)).ravel()
@@ -256,15 +256,15 @@ class MovingWater:
         return NAME
 
     def move(self, model: Any, center: np.ndarray, t: float) -> int | None:
-        """Let the surface of a model rise and fall.
+        """Move the surface of a model to its shape at time `t`.
 
         Args:
             model: A `MjModel` with that mesh.
-            center: Of the robot [m].
-            t: Since the start of the run [s].
+            center: Position of the robot [m].
+            t: Time since the start of the run [s].
 
         Returns:
-            The mesh that has to be sent to the renderer, if any.
+            ID of the mesh that must be sent to the renderer, if any.
         """
         if self.surface is None:
             return None

@@ -1,1 +1,1 @@
-"""The paper's closed-form model in the plane: its equations as printed, and the recursion that runs."""
+"""The paper's closed-form planar model: the recursion, the drives and the steps that compute a run."""

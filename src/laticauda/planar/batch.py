@@ -1,10 +1,10 @@
 """Many planar runs at once: eight side by side in the processor's vector registers, and blocks of eight on all cores.
 
-The kernels are those of a single run, compiled for more lanes; a run's numbers do not depend on its neighbors, on the
-order, or on the number of threads.
+The kernels are those of a single run, compiled for more lanes; the results of a run do not depend on its neighbors, on
+the order, or on the number of threads.
 
-Runs may carry derivatives: then every number of a block is complex, and its imaginary part is `STEP` times the
-derivative to the run's parameter.
+Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is `STEP` times the
+derivative with respect to the run's parameter.
 """
 
 from collections import deque
@@ -28,68 +28,68 @@ from laticauda.planar.model import PlanarPlant
 
 Result = TypeVar("Result")
 
-# What fills a register of AVX-512; processors without it take two or four registers for the same numbers, and 16 lanes
-# are no faster.
+# Fills an AVX-512 register; processors without AVX-512 use two or four registers for the same numbers, and 16 lanes are
+# no faster.
 WIDTH = 8
-# Where the numbers of a wave stand (`TOLD`), and of these the first in the state with which it begins.
+# Rows of a wave's parameters (`TOLD`), and the rows of the initial state that hold the first of them.
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
 BEGUN = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
-# The most blocks that one thread takes at a time, and samples that are logged at a time.
+# Maximum number of blocks that one thread takes at a time, and of samples that are logged at a time.
 _BLOCKS = 8
 _SAMPLES = 2000
-# Of derivatives: far below rounding, and a power of two, so that it changes no digits.
+# Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits.
 STEP = 2.0**-100
-# The log holds the header's state rows from TIME to VY: few enough to stay near the processor.
+# The log holds the header's state rows from TIME to VY: few enough to stay in the processor's cache.
 _X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
 PATH_ROWS = _VX + 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """One run of a batch: what swims, what it is asked for all the time, where it begins."""
+    """One run of a batch: the plant, its constant command and its start."""
 
     plant: PlanarPlant
     """Robot, environment and settings."""
     command: Command
-    """Held from start to end."""
+    """Command, held throughout the run."""
     start: Start = Start()  # noqa: RUF009 - frozen
-    """Straight and at rest."""
+    """Start; by default straight and at rest."""
     slope: Float[np.ndarray, " rows"] | None = None
-    """Derivative of the run's rows to a parameter, if that of its results is wanted: in all runs of a batch."""
+    """Derivative of the run's rows with respect to a parameter, to differentiate the results; for all runs or none."""
 
     @property
     def rows(self) -> Float[np.ndarray, " rows"]:
-        """What the kernels get."""
+        """Rows that are passed to the kernels."""
         return self.plant.rows(self.plant.init(self.start, self.command), self.command)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """What a few runs of the same kind left behind, the last axis the runs; the next block overwrites its path."""
+    """Results of a few runs of the same kind, runs along the last axis; the next block overwrites the path."""
 
     index: Int[np.ndarray, " n_runs"]
-    """Which of the batch's runs these are."""
+    """Indices of these runs in the batch."""
     time: Float[np.ndarray, " n_samples"]
-    """Of the samples [s]."""
+    """Times of the samples [s]."""
     center_of_mass: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p [m]."""
     center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
     log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
-    """The header's state rows from TIME to VY; whole logs go on to what the joints do (see `rows.LOG_STATE`)."""
+    """The header's state rows from TIME to VY; complete logs also include the joints (see `rows.LOG_STATE`)."""
     heading: Inexact[np.ndarray, " n_runs"]
-    """At the end [rad]."""
+    """Heading at the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]
-    """At the end: absolute, net and positive work of the joints, electrical work [J]."""
+    """Work at the end: absolute, net and positive work of the joints, electrical work [J]."""
     n_samples: Int[np.ndarray, " n_runs"]
-    """Samples before the run's numbers left all bounds; all of them if the run reached its end."""
+    """Number of samples before the run diverged; all samples if the run reached its end."""
 
 
 class Device(Extensible, group="devices"):
-    """What marches batches in the place of the processor's cores; installed packages bring them."""
+    """Device that runs batches instead of the processor's cores; provided by installed packages."""
 
     def march_many(self, *batch: Any, **how: Any) -> Iterator[Any]:
-        """As the function of that name; arguments as for it."""
+        """Run a batch, with the arguments of the function `march_many`."""
         raise NotImplementedError
 
 
@@ -102,20 +102,20 @@ def march_many(
     threads: int | None = None,
     with_joints: bool = False,
 ) -> Iterator[Result]:
-    """Run every run for `duration` and hand what is left behind, block by block, to `use`.
+    """Simulate every run for `duration` and pass the results to `use`, block by block.
 
     Only a few blocks are in memory at any time.
 
     Args:
-        runs: What swims how.
-        duration: [s].
-        sample_interval: Between two samples [s]; adjusted so that it divides `duration`.
-        use: Called once per block, in the threads that compute.
-        threads: None takes as many as this process may use cores.
-        with_joints: Log all that the kernels can, joints included.
+        runs: Runs of the batch.
+        duration: Duration of every run [s].
+        sample_interval: Time between two samples [s]; adjusted so that it divides `duration`.
+        use: Function that is called once per block, in the computing threads.
+        threads: Number of threads; None: one per core that this process may use.
+        with_joints: Whether to log everything that the kernels can log, including the joints.
 
     Yields:
-        What `use` returned, in no particular order of runs.
+        Return values of `use`, in no particular order of runs.
     """
     n_intervals = max(1, round(duration / sample_interval))
     n_threads = threads or usable_cores()
@@ -123,7 +123,7 @@ def march_many(
 
     def work(task: np.ndarray) -> list[Result]:
         alike = [runs[int(i)] for i in task]
-        first, columns = alike[0].plant, columns_of(alike)  # as to kernel and rows, like all runs of a kind
+        first, columns = alike[0].plant, columns_of(alike)  # kernel and rows are the same for all runs of a kind
         n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
         log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), float if runs[0].slope is None else complex)
         blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
@@ -143,7 +143,7 @@ def march_many(
 
 
 def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.ndarray]:
-    """Indices of runs that can go side by side, a few blocks of WIDTH per task."""
+    """Yield indices of runs that can run side by side, a few blocks of WIDTH per task."""
     for alike in kinds_of(runs, interval):
         size = WIDTH * min(max(len(alike) // (4 * WIDTH * n_threads), 1), _BLOCKS)
         for i in range(0, len(alike), size):
@@ -151,7 +151,7 @@ def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.
 
 
 def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
-    """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
+    """Group the indices of runs that can run side by side; `interval` is the sample interval [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
     of_law: dict[object, str] = {}
@@ -171,7 +171,7 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
 
 
 def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
-    """What runs side by side must have in common: the chain's shape, the laws, the step."""
+    """Return what runs side by side must have in common: the chain's shape, the laws, the number of steps."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
     return shape, plant.steps_in(interval), law_digest
@@ -180,7 +180,7 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
 def _march(
     plant: PlanarPlant, index: np.ndarray, S: np.ndarray, duration: float, n_intervals: int, log: np.ndarray
 ) -> Block:
-    """Up to WIDTH runs of one kind from their rows, side by side."""
+    """Simulate up to WIDTH runs of one kind side by side, starting from their rows."""
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     paths: list[np.ndarray] = []
@@ -202,7 +202,7 @@ def _march(
 
 
 def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:
-    """What runs left behind, from their logs and their rows at the end."""
+    """Return the results of runs, from their logs and their rows at the end."""
     return Block(
         index=index,
         time=np.real(path[:, 0, 0]),
@@ -216,7 +216,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
 
 
 def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
-    """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
+    """Return the rows of up to WIDTH runs as lanes, complex if they have slopes; unused lanes repeat the last run."""
     S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
     real, n = S, len(runs)
     if runs[0].slope is not None:
@@ -229,12 +229,12 @@ def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
 
 
 def columns_of(runs: Sequence[Run]) -> np.ndarray:
-    """The rows of several runs, one column each."""
+    """Return the rows of several runs, one column per run."""
     return np.concatenate([_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1)
 
 
 def _columns(runs: Sequence[Run]) -> np.ndarray:
-    """Those of one plant's runs; where their waves alone differ, most are worked out once."""
+    """Return the columns of one plant's runs; if only their waves differ, most rows are computed once."""
     first = runs[0]
     if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
         return np.stack([run.rows for run in runs], axis=1)
@@ -246,18 +246,18 @@ def _columns(runs: Sequence[Run]) -> np.ndarray:
 
 
 def _differ_in_waves(one: Run, other: Run) -> bool:
-    """Whether two runs of a plant differ in nothing but `TOLD`."""
+    """Return whether two runs of a plant differ only in `TOLD`."""
     a, b = one.command, other.command
     return one.start == other.start and _same(a, b, ("gait",)) and _same(a.gait, b.gait, TOLD)
 
 
 def _same(one: object, other: object, but: Sequence[str]) -> bool:
-    """Whether two objects of a class have the same in all fields but some."""
+    """Return whether two objects of a class are equal in all fields except those in `but`."""
     return all(vars(other)[name] == value for name, value in vars(one).items() if name not in but)
 
 
 def _numbers(lanes: np.ndarray) -> np.ndarray:
-    """What the kernels left behind as plain numbers, complex if they had slopes."""
+    """Return the kernels' output as plain numbers, complex if the runs had slopes."""
     if lanes.dtype == float:
         return lanes
     real, imaginary = split(lanes)
@@ -265,7 +265,7 @@ def _numbers(lanes: np.ndarray) -> np.ndarray:
 
 
 def aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
-    """An array of zeros that begins where a vector register's worth of memory does."""
+    """Return an array of zeros that is aligned to the size of a vector register."""
     size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
     raw: np.ndarray = np.zeros(size + 8)
     first = -raw.__array_interface__["data"][0] % 64 // 8

@@ -1,7 +1,7 @@
-"""How the joints are driven: the reference generator, the joint laws, and the work they do.
+"""Drives of the joints: the reference generator, the joint laws, and the work of the joints.
 
 A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from `gaits.reference` and
-`actuation.laws`. Joint laws are told apart by `law`, one number per joint (LOCKED ... PASSIVE).
+`actuation.laws`. The joint law is identified by `law`, one number per joint (LOCKED ... OWN_DRIVEN).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -41,13 +41,13 @@ law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 @kernel
 def set_decay(S, dt):
-    """What `advance_reference` needs to know about its step."""
+    """Set the decay of the filters over one step `dt`, which `advance_reference` needs."""
     S[DECAY] = 1.0 + expm1(-S[BANDWIDTH] * dt)
 
 
 @kernel
 def advance_reference(S, n, law, tail_link, dt):
-    """Move the generator on by dt, the step that `set_decay` was told, and set the reference there."""
+    """Advance the generator by dt, which must be the step given to `set_decay`, and set the reference."""
     w, decay = S[BANDWIDTH], S[DECAY]
     if has_driven_fin(law, tail_link):
         phase, a, a_1, f, f_1, _, _, o, o_1 = advance_wave(fin_wave(S), fin_target(S), w, decay, dt)
@@ -61,26 +61,26 @@ def advance_reference(S, n, law, tail_link, dt):
 
 @kernel
 def has_driven_fin(law, tail_link):
-    """Whether the joint between fin and tail link has an actuator."""
+    """Return whether the joint between fin and tail link has an actuator."""
     return tail_link > 0 and law[tail_link] != LOCKED and law[tail_link] != PASSIVE
 
 
 @kernel
 def fin_wave(S):
-    """The state of a driven fin's wave, which has one joint and no phase shift."""
+    """Return the state of a driven fin's wave, which has one joint and no phase shift."""
     none = 0.0 * S[FIN_PHASE]
     return (*fin_values(S), none, none, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
 
 
 @kernel
 def fin_target(S):
-    """What it is to become."""
+    """Return the target of a driven fin's wave."""
     return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], 0.0 * S[FIN_FREQUENCY], S[FIN_OFFSET]
 
 
 @kernel
 def set_reference(S, n, law, tail_link):
-    """phi_ref of every driven joint, and its derivatives, from the generator's state."""
+    """Set phi_ref and its derivatives for every driven joint from the generator's state."""
     ramp = smooth_start(S[TIME], S[RAMP])
     if has_driven_fin(law, tail_link):
         b = HEADER_ROWS + tail_link * BODY_ROWS
@@ -96,7 +96,7 @@ def set_reference(S, n, law, tail_link):
             b = HEADER_ROWS + i * BODY_ROWS
             s, c = S[SIN_PHASE], S[COS_PHASE]
             take_reference(S, b, law[i], wave_reference(s, c, S[b + ENVELOPE], k, motion))
-            # The next joint's, by rotation; in rows, so that the compiler rounds them as one product at a time.
+            # Rotate to the next joint; stored in rows, so that the compiler rounds the products one at a time.
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
             S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
             k += 1.0
@@ -120,7 +120,7 @@ def add_recorded(S, n, law, tail_link):
 
 @kernel
 def recorded_knot(S, width):
-    """First row of the knot after which the time is now, the same in all lanes."""
+    """Return the first row of the last knot before the current time, the same in all lanes."""
     first, last = int(first_lane(S[KNOTS].real)), int(first_lane(S[N_KNOTS].real)) - 2
     k, time = int(first_lane(S[KNOT].real)), first_lane(S[TIME].real)
     while k < last and time >= first_lane(S[first + (k + 1) * width].real):
@@ -133,7 +133,7 @@ def recorded_knot(S, width):
 
 @kernel
 def take_reference(S, b, law, reference):
-    """Store a joint's reference, which a prescribed joint follows at once."""
+    """Store a joint's reference, which a prescribed joint follows immediately."""
     angle, rate, acceleration = reference
     S[b + REFERENCE] = angle
     S[b + REFERENCE_1] = rate
@@ -145,7 +145,7 @@ def take_reference(S, b, law, reference):
 
 @kernel
 def joint_torques(S, n, law, gamma_dt):
-    """Torque of every free joint for the first stage of an implicit step, and what that step adds to its inertia."""
+    """Set the torque of every free joint for the first stage of an implicit step, and the inertia the step adds."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
@@ -162,7 +162,7 @@ def joint_torques(S, n, law, gamma_dt):
 
 @kernel
 def second_torques(S, n, law, gamma_dt):
-    """Right-hand side of the second stage for a = k2 + 2 k1, so that the mass matrix is not needed."""
+    """Set the right-hand side of the second stage for a = k2 + 2 k1, which avoids the mass matrix."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
@@ -176,20 +176,20 @@ def second_torques(S, n, law, gamma_dt):
 
 @kernel
 def skin(S, b):
-    """Torque that the skin (or a hinge) sets against the joint's angle and rate."""
+    """Return the torque of the skin (or a hinge) against the joint's angle and rate."""
     return S[b + STIFFNESS] * S[b + ANGLE] + S[b + DAMPING] * S[b + RATE]
 
 
 @kernel
 def actuator(S, b, law):
-    """Torque of the joint's actuator, and its slopes."""
+    """Return the torque of the joint's actuator and its slopes."""
     motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
     return by_law(law, motion, drive_of(S, b), law_numbers(S))
 
 
 @kernel
 def count_work(S, n, law, dt):
-    """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
+    """Set the torques that the actuators deliver, and add the work since the last step by the trapezoidal rule."""
     absolute = 0.0 * S[TIME]
     net, positive = absolute, absolute
     electrical = absolute + S[ACTIVE_POWER]

@@ -1,4 +1,4 @@
-"""From a robot and its environment to the flat array of `rows` that the kernels work on."""
+"""Convert a robot and its environment to the flat array of `rows` that the kernels work on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -20,31 +20,31 @@ from laticauda.planar import rows
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layout:
-    """One trial's parameters as rows, and the shape of its chain; what the kernels take as arguments."""
+    """One trial's parameters as rows, and the shape of its chain: the arguments of the kernels."""
 
     template: Float[np.ndarray, " rows"]
-    """All rows of one lane, state at rest and straight."""
+    """All rows of one lane, with the robot straight and at rest."""
     n_bodies: int
-    """Links, and fin bodies when the fin is not folded into the tail link."""
+    """Number of links, plus the fin bodies if the fin is not folded into the tail link."""
     first_strip: Int[np.ndarray, " n_bodies_plus_1"]
-    """Strips first_strip[i] to first_strip[i + 1] are rigid on body i."""
+    """Strips first_strip[i] to first_strip[i + 1] are rigidly attached to body i."""
     first_plate: Int[np.ndarray, " n_bodies_plus_1"]
     """The same for pectoral fins."""
     law: Int[np.ndarray, " n_bodies"]
-    """Joint law at the tail end of each body (`rows.LOCKED` ... `rows.PASSIVE`); that of body 0 means nothing."""
+    """Joint law at the tail end of each body (`rows.LOCKED` ... `rows.OWN_DRIVEN`); unused for body 0."""
     tail_link: int
     """Index of the body that is the robot's tail link; fin bodies come before it."""
     has_extras: bool
-    """Whether any body has loads besides its own drag."""
+    """Whether any body has loads in addition to its own drag."""
 
     @cached_property
     def chain(self) -> tuple[object, ...]:
-        """The shape of the chain, as the kernels take it."""
+        """Shape of the chain, as the kernels take it."""
         return self.n_bodies, self.first_strip, self.first_plate, self.law, self.tail_link, self.has_extras
 
 
 class _Part(NamedTuple):
-    """Mass without water: m [kg], middle x from the body's tail end [m], own inertia [kg m^2]."""
+    """Mass without water: m [kg], center x from the body's tail end [m], inertia about it [kg m^2]."""
 
     mass: float
     position: float
@@ -52,16 +52,16 @@ class _Part(NamedTuple):
 
 
 class _Body(NamedTuple):
-    """One rigid body of the chain while the array is being put together."""
+    """One rigid body of the chain while the array is assembled."""
 
     length: float
     parts: tuple[_Part, ...]
     strips: Coefficients | None = None
-    """Positions are those from the body's tail end."""
+    """Coefficients of its strips, positions from the body's tail end."""
     law: int = rows.LOCKED
     """Joint law of the hinge at the head end of a piece of the fin."""
     is_hinged: bool = False
-    """Whether there is one."""
+    """Whether there is such a hinge."""
 
 
 def layout(
@@ -74,10 +74,10 @@ def layout(
     """Lay out a planar robot for the kernels.
 
     Args:
-        robot: All joints turn about the vertical axis (see `Robot.planar`).
-        environment: The water it swims in or the ground it crawls on.
-        joints: How the driven joints follow the gait; None: they are prescribed.
-        coefficients: `link_coefficients` of the two, if they are known already.
+        robot: Robot whose joints all turn about the vertical axis (see `Robot.planar`).
+        environment: Water or ground that the robot moves in or on.
+        joints: Law by which the driven joints follow the gait; None: they are prescribed.
+        coefficients: `link_coefficients` of robot and environment, if already known.
 
     Returns:
         The layout, straight and at rest at the origin.
@@ -123,8 +123,8 @@ def layout(
 def _links_and_fin(
     robot: robots.Robot, coefficients: Coefficients, joints: JointLaw
 ) -> tuple[list[_Body], list[_Body]]:
-    """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
-    # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
+    """Return the bodies of the links and of a movable fin, root first; a rigid fin is part of the tail link."""
+    # A batch of an identification lays out one robot per run: what modules or joints share is computed only once.
     modules = {id(m): m for m in robot.modules}
     part = {key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for key, m in modules.items()}
     known = {key: _Body(m.length, (part[key],)) for key, m in modules.items()}
@@ -138,7 +138,7 @@ def _links_and_fin(
 
 
 def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> list[_Body]:
-    """Cut the fin at its hinges, none of which cuts a strip; `joints` is the law of a driven root."""
+    """Cut the fin at its hinges, which never cut through a strip; `joints` is the law of a driven root."""
     middle = -strips.position
     bodies: list[_Body] = []
     for piece in fin.pieces:
@@ -157,13 +157,13 @@ def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> lis
 
 
 def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
-    """Some of the strips, their positions counted from `end` behind the root."""
+    """Return the strips selected by `own`, with positions measured from `end` behind the root."""
     taken = {field.name: getattr(strips, field.name)[own] for field in fields(strips) if field.name != "fin"}
     return Coefficients(**{**taken, "position": taken["position"] + end})
 
 
 def _fold(tail: _Body, piece: _Body) -> _Body:
-    """The tail link with a fin of one rigid piece as a part of it."""
+    """Return the tail link with a fin of one rigid piece as part of it."""
     part, strips = piece.parts[0], cast(Coefficients, piece.strips)
     parts = *tail.parts, part._replace(position=-part.position)
     return tail._replace(parts=parts, strips=replace(strips, position=strips.position - piece.length))
@@ -196,13 +196,13 @@ def _write_environment(
 def _write_bodies(
     records: np.ndarray, bodies: Sequence[_Body], w: Coefficients, environment: robots.Environment
 ) -> None:
-    """Masses and added masses of the bodies about their tail ends; their own drag at their middles."""
+    """Write masses and added masses of the bodies about their tail ends, and their own drag at their centers."""
     known = {id(body): _solid(body) for body in {id(body): body for body in bodies}.values()}
     length, mass, moment, rigid = np.array([known[id(body)] for body in bodies]).T
     mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
-    # In the other forms the centripetal term of mu_t cancels against its velocity term.
+    # In the other forms the centripetal term of mu_t cancels its velocity term.
     centripetal = moment + moment_t if classic else moment
     inertia = rigid + added, moment + moment_n, centripetal
     masses = mass + mu_t, mass + mu_n, mu_t, mu_n, moment_t, moment_n, mass / total, moment / total
@@ -211,12 +211,12 @@ def _write_bodies(
 
 
 def _loads(w: Coefficients) -> np.ndarray:
-    """What the water does to elements: the rows of an element from C_T on."""
+    """Return the load coefficients of elements: the rows of an element from C_T on."""
     return np.array((w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
 
 
 def _solid(body: _Body) -> tuple[float, float, float, float]:
-    """Length, and without water: m, m x, and the moment of inertia about the tail end."""
+    """Return the length and, without water, m, m x and the moment of inertia about the tail end."""
     mass = moment = inertia = 0.0
     for part in body.parts:
         mass += part.mass
@@ -226,10 +226,10 @@ def _solid(body: _Body) -> tuple[float, float, float, float]:
 
 
 def flow_rows(environment: robots.Environment) -> Rows:
-    """The flow of the water as the kernels see it; of the ground or of water that moves as one, nothing.
+    """Return the flow of the water in the kernels' form; empty for the ground or a constant uniform current.
 
     Args:
-        environment: The water or the ground.
+        environment: Water or ground.
     """
     if not isinstance(environment, robots.Water) or environment.flow is None:
         return Rows()
@@ -237,9 +237,9 @@ def flow_rows(environment: robots.Environment) -> Rows:
 
 
 def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.ndarray:
-    """Of every body with its strips: sums of mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2, x from its tail end.
+    """Sum mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2 over each body and its strips, x from its tail end.
 
-    The last bodies are the links, whose own loads `w` act at `x`.
+    The last bodies are the links, whose own coefficients `w` apply at `x`.
     """
     found = np.zeros((5, len(bodies)))
     found[:, -x.size :] = w.mu_t, w.mu_n, w.mu_t * x, w.mu_n * x, w.lambda_1 + w.mu_n * (x * x)
@@ -254,13 +254,13 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
     """Write the rows of thrusters and pectoral fins.
 
     Args:
-        S: All rows of a lane, those of the fins at the end.
-        robot: Whose they are.
-        environment: The water it swims in or the ground it crawls on.
-        first_link: The body that is the robot's tail link.
+        S: All rows of a lane, with those of the fins at the end.
+        robot: Robot that has the thrusters and fins.
+        environment: Water or ground that the robot moves in or on.
+        first_link: Index of the body that is the robot's tail link.
 
     Raises:
-        ValueError: If one of them acts out of the plane.
+        ValueError: If a thruster or fin acts out of the plane.
     """
     for group in ("thrusters", "pectoral_fins"):
         for i, one in enumerate(getattr(robot, group)):
@@ -290,12 +290,12 @@ def _add_thruster(record: np.ndarray, robot: robots.Robot, link: int, thruster: 
 def _write_joints(
     records: np.ndarray, robot: robots.Robot, fin: Sequence[_Body], joints: JointLaw
 ) -> Int[np.ndarray, " n_bodies"]:
-    """Numbers of the joint at the tail end of every body; returns their laws."""
+    """Write the parameters of the joint at the tail end of every body; return the joint laws."""
     table = joint_table(robot, joints)
     records[len(fin) + 1 :, : rows.JOINT_ROWS] = table[: robot.n_joints]
     law, of_fin = np.full(len(records), joints.code), iter(table[robot.n_joints :])
     law[0] = rows.LOCKED
-    for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):  # its hinge is at the tail end of the body before it
+    for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):  # its hinge is at the tail end of the body ahead
         law[i] = piece.law
         if piece.is_hinged:
             records[i, : rows.JOINT_ROWS] = next(of_fin)
@@ -303,7 +303,7 @@ def _write_joints(
 
 
 def _plate_numbers(plate: robots.PectoralFin, module: robots.Module, half_density: float) -> tuple[float, ...]:
-    """The rows of a pectoral fin."""
+    """Return the rows of a pectoral fin."""
     place = plate.x + module.length / 2.0, plate.y, plate.angle + plate.deflection
     shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag
     return *place, half_density * plate.area, *shape

@@ -1,6 +1,6 @@
-"""What the water (or the ground) and the effectors do to the bodies of the chain.
+"""Loads of the water (or the ground) and the effectors on the bodies of the chain.
 
-Forces are in the axes of the link, moments about its tail end. A template (see `templates`): `S` is the flat array of
+Forces are in link axes, moments about the link's tail end. A template (see `templates`): `S` is the flat array of
 `rows`, `b` the first row of a body's record.
 """
 
@@ -31,7 +31,7 @@ carried, load = compiled(inertia.carried), compiled(inertia.load)
 
 @kernel
 def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
-    """How the water moves at every element, where it has a flow; else it is in the velocities already."""
+    """Set the water's motion at every element if the water has a flow; otherwise the velocities already include it."""
     if HAS_FLOW:
         places(S, n)
         for i in range(n):
@@ -55,7 +55,7 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
 
 @kernel
 def places(S, n):
-    """World position of every body's tail end, from that of the center of mass."""
+    """Set the world position of every body's tail end from that of the center of mass."""
     px, py, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
@@ -74,9 +74,9 @@ def places(S, n):
 
 @kernel
 def put_water(S, b, x, y, found):
-    """How the water moves at a place on body b, in five rows: velocity and acceleration in link axes, rotation."""
+    """Write the water's motion at a point of body b to five rows: velocity and acceleration in link axes, rotation."""
     c, s = S[b + COS], S[b + SIN]
-    first = int(first_lane(S[FLOW].real))  # of the flow's rows, the same in all lanes
+    first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
     place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
     u, v, _, a_x, a_y, _, _, _, spin, _ = felt(motion(S, first, place_x, place_y, S[HEIGHT], S[TIME]))
     S[found] = c * u + s * v
@@ -88,7 +88,7 @@ def put_water(S, b, x, y, found):
 
 @kernel
 def through_water(S, b, x, water):
-    """Velocity of a place on the axis of body b, and its rate of turning, relative to the water that moves there."""
+    """Return velocity and angular velocity of a point on the axis of body b, relative to the water there."""
     rate = S[b + LINK_RATE]
     if HAS_FLOW:
         return S[b + V_T] - S[water], S[b + V_N] + x * rate - S[water + 1], rate - S[water + 4]
@@ -97,10 +97,10 @@ def through_water(S, b, x, water):
 
 @kernel
 def element_drag(S, b, e):
-    """Drag of one element rigid on body b, link axes, and its moment about the tail end of b.
+    """Return the drag of one element rigidly attached to body b, link axes, and its moment about the tail end of b.
 
-    `e` is the first of the element's rows: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. A body's own
-    (from CENTER on) and a strip's (from STRIP_POSITION on) stand in the same order.
+    `e` is the first row of the element: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. The rows of a
+    body's own element (from CENTER on) and of a strip (from STRIP_POSITION on) have the same order.
     """
     x = S[e]
     v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
@@ -110,9 +110,9 @@ def element_drag(S, b, e):
 
 @kernel
 def added_mass_velocity_terms(S, b):
-    """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end.
+    """Return the velocity-dependent part of the added-mass force (link axes) and its moment about the tail end.
 
-    Of the body with its strips; where the water has a flow, of its own element alone.
+    It covers the body with its strips or, if the water has a flow, only the body's own element.
     """
     if HAS_FLOW:
         return element_inertia(S, b, b + CENTER)
@@ -120,7 +120,7 @@ def added_mass_velocity_terms(S, b):
     v_t, v_n = S[b + V_T], S[b + V_N]
     mu_t, mu_n = S[b + MU_T], S[b + MU_N]
     moment_t, moment_n = S[b + MOMENT_T], S[b + MOMENT_N]
-    # The classic form sees the current only: its velocity is -V where the others have v - V.
+    # The classic form includes the current only: its velocity is -V where the others have v - V.
     own, keep = S[OWN_VELOCITY], S[KIRCHHOFF]
     c, s = S[b + COS], S[b + SIN]
     V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
@@ -136,15 +136,15 @@ def added_mass_velocity_terms(S, b):
 
 @kernel
 def element_inertia(S, b, e):
-    """What the inertia of moving water does to one element, but for the acceleration of the tail end and the rotation.
+    """Return the inertial load of moving water on one element, without terms of tail-end or angular acceleration.
 
-    The laws are those of `fluid.inertia`; with them comes the force that moves the displaced water itself.
+    The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water itself.
     """
     x, rate, own = S[e], S[b + LINK_RATE], S[OWN_VELOCITY]
     u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
     mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
     V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
-    # Seen from the tail end, whose axes turn; the part of x rate^2 that the classic form has is in CENTRIPETAL.
+    # Seen from the tail end, whose axes rotate; the x rate^2 part of the classic form is in CENTRIPETAL.
     rate_t = rate * (own * S[b + V_N] - V_n) - carried(flow_t, 0.0, spin, u_n, 0.0)
     rate_n = -rate * (own * S[b + V_T] - V_t) - carried(flow_n, spin, 0.0, 0.0, u_t)
     f_t = load(S[KIRCHHOFF], mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
@@ -154,7 +154,7 @@ def element_inertia(S, b, e):
 
 @kernel
 def extra_loads(S, n, first_strip, first_plate, tail_link):
-    """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
+    """Set the loads that only some bodies have: thrusters, fin strips, pectoral fins, tether and trailing edge."""
     H = HEADER_ROWS
     for i in range(n):
         b = H + i * BODY_ROWS
@@ -172,14 +172,14 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
 
 @kernel
 def strip_inertia(S, b, e):
-    """What the inertia of moving water does to one strip; without a flow it is in that of the body."""
+    """Add the inertial load of moving water on one strip; without a flow the body's own load includes it."""
     if HAS_FLOW:
         add_extra(S, b, element_inertia(S, b, e + STRIP_POSITION))
 
 
 @kernel
 def add_extra(S, b, found):
-    """Add force and moment to those on body b."""
+    """Add a force and a moment to the extra loads of body b."""
     f_t, f_n, moment = found
     S[b + EXTRA_T] += f_t
     S[b + EXTRA_N] += f_n
@@ -188,7 +188,7 @@ def add_extra(S, b, found):
 
 @kernel
 def plate_load(S, b, e):
-    """Lift and drag of one pectoral fin mounted on body b."""
+    """Add lift and drag of one pectoral fin mounted on body b."""
     x, y = S[e + PLATE_X], S[e + PLATE_Y]
     v_t, v_n, _ = through_water(S, b, x, e + PLATE_WATER)
     v_t -= y * S[b + LINK_RATE]
@@ -201,7 +201,7 @@ def plate_load(S, b, e):
 
 @kernel
 def tether(S, b):
-    """F = -k |v| v + constant, at the tail end of the tail link."""
+    """Add the tether force F = -k |v| v + constant at the tail end of the tail link."""
     c, s = S[b + COS], S[b + SIN]
     v_t, v_n, _ = through_water(S, b, 0.0, TETHER_WATER)
     drag = S[TETHER_DRAG] * (v_t * v_t + v_n * v_n) ** 0.5
@@ -211,7 +211,7 @@ def tether(S, b):
 
 @kernel
 def trailing_edge(S):
-    """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
+    """Add the momentum flux into the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
     b = HEADER_ROWS
     x = S[WAKE_POSITION]
     u, w, _ = through_water(S, b, x, WAKE_WATER)
@@ -222,16 +222,17 @@ def trailing_edge(S):
 
 @kernel
 def body_forces(S, n, first_strip, force):
-    """Drag, added-mass and effector force on every body, world axes, once the accelerations are known.
+    """Store drag, added-mass and effector force on every body, world axes, once the accelerations are known.
 
-    `force` holds two rows per body, x and y: of all bodies the drag, then the added mass (with what accelerating water
-    does to the displaced one), then the effectors.
+    `force` holds two rows per body, x and y: first the drag on all bodies, then the added-mass force (including the
+    force of accelerating water on the displaced volume), then the effector force.
     """
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
         extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
-        # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag and added mass.
+        # Strips add to the extra loads: collect their loads separately, and move them from effectors to drag and added
+        # mass.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for e in range(first_strip[i], first_strip[i + 1]):
@@ -251,7 +252,7 @@ def body_forces(S, n, first_strip, force):
 
 @kernel
 def put_force(S, b, force, row, f_t, f_n):
-    """Store a force given in link axes of body b in world axes."""
+    """Store a force, given in link axes of body b, in world axes."""
     c, s = S[b + COS], S[b + SIN]
     force[row] = c * f_t - s * f_n
     force[row + 1] = s * f_t + c * f_n
@@ -259,7 +260,7 @@ def put_force(S, b, force, row, f_t, f_n):
 
 @kernel
 def added_mass_force(S, b):
-    """The whole added-mass force on body b, link axes: what its acceleration and its velocity call for."""
+    """Return the total added-mass force on body b, link axes, due to its acceleration and its velocity."""
     f_t, f_n, _ = added_mass_velocity_terms(S, b)
     c, s = S[b + COS], S[b + SIN]
     rate = S[b + LINK_RATE]

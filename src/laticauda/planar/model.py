@@ -25,14 +25,14 @@ from laticauda.planar.layout import Layout, flow_rows, layout, write_effectors
 from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
-LEAST_DT = 1e-7  # s; a run with smaller steps would not end
+LEAST_DT = 1e-7  # s; with smaller steps a run would take forever
 TEMPLATES = {
     "loads": ("WIDTH", "law", "flow"),
     "recursion": ("WIDTH", "law", "flow"),
     "drives": ("WIDTH", "joint_law"),
     "stepping": ("WIDTH", "law", "flow", "joint_law"),
 }
-"""Of the kernels, and what each is made for; see `laticauda.compiling.templates`."""
+"""Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
 
 
 def specialize(
@@ -42,17 +42,17 @@ def specialize(
     flow: tuple[Formula, ...] = (),
     target: Target | None = None,
 ) -> ModuleType:
-    """The stepping kernels for `width` lanes, one drag law, one joint law and one kind of flow.
+    """Return the stepping kernels for `width` lanes, one drag law, one joint law and one kind of flow.
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
-        law: Whose formula is compiled; what it calls counts as part of it, its numbers do not. None: the polynomial.
-        joints: Whose formula is compiled beside the built-in ones, if it is none of them.
-        flow: The kinds of parts of the water's flow (`fluid.flow.rows_of`); empty: it moves as one, if at all.
-        target: What to compile for; None for this machine's processor.
+        law: Drag law to compile: its formula with all functions that it calls, but not its numbers. None: polynomial.
+        joints: Joint law to compile in addition to the built-in ones, unless it is one of them.
+        flow: Kinds of parts of the water's flow (`fluid.flow.rows_of`); empty: uniform, constant current or none.
+        target: What to compile for; None: this machine's processor.
 
     Returns:
-        The module `laticauda.planar.stepping`, compiled for them on first call.
+        The module `laticauda.planar.stepping`, compiled for these arguments on first call.
     """
     own = None if joints is None else joints.own
     names = {"WIDTH": width, "law": (law or PolynomialDrag()).formula, "joint_law": own, "flow": flow}
@@ -61,10 +61,10 @@ def specialize(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlanarPlant(Plant[Planar]):
-    """A robot in the plane: n links, joints prescribed or driven by a law; pitch joints are left out of it.
+    """A robot in the plane: n links, joints prescribed or driven by a law; pitch joints are omitted.
 
-    Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
-    1e-4 (ROS2), an elastic fin behind prescribed joints to 1e-5 (ROS2). `benchmarks/convergence.py` prints them.
+    The default steps converge the paper's trials to 1e-6 of the distance with prescribed joints (RK5), 1e-4 with driven
+    joints (ROS2) and 1e-5 with an elastic fin behind prescribed joints (ROS2): see `benchmarks/convergence.py`.
     """
 
     settings: Planar = Planar()  # noqa: RUF009 - frozen
@@ -77,37 +77,37 @@ class PlanarPlant(Plant[Planar]):
     )
 
     def __post_init__(self) -> None:
-        """Reduce the robot to the plane, and fill in what the settings leave open."""
+        """Reduce the robot to the plane, and fill in unspecified settings."""
         object.__setattr__(self, "robot", self.robot.planar())
         super().__post_init__()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without what is worked out from the fields: rows may hold addresses, which are good in one process only."""
+        """Return the fields without anything derived: rows may hold addresses, which are valid in one process only."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def coefficients(self) -> Coefficients:
-        """Loads per link and fin strip."""
+        """Load coefficients per link and fin strip."""
         return link_coefficients(self.robot, self.environment)
 
     @cached_property
     def layout(self) -> Layout:
-        """The robot as the kernels see it."""
+        """The robot in the kernels' form."""
         return layout(self.robot, self.environment, joints=self.joints, coefficients=self.coefficients)
 
     def kernels_of(self, width: int) -> Any:
-        """The compiled kernels for `width` trials side by side."""
+        """Return the compiled kernels for `width` trials side by side."""
         return specialize(width, self.law, self.joints, self.flow.kinds)
 
     @cached_property
     def _envelope(self) -> np.ndarray:
-        """The rows of the envelope of the body's joints."""
+        """Rows of the envelope of the body's joints."""
         a = self.layout
         return rows.HEADER_ROWS + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS + rows.ENVELOPE
 
     @cached_property
     def _state(self) -> np.ndarray:
-        """The rows of a state vector."""
+        """Rows that make up a state vector."""
         joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
         return np.concatenate((rows.TIME + np.arange(rows.LOG_STATE), joints + rows.ANGLE, joints + rows.RATE))
 
@@ -117,16 +117,16 @@ class PlanarPlant(Plant[Planar]):
 
     @property
     def law(self) -> DragLaw:
-        """Loads on one element."""
+        """Law of the loads on one element."""
         return law_of(self.environment)
 
     @cached_property
     def flow(self) -> flows.Rows:
-        """The water's flow as the kernels see it."""
+        """The water's flow in the kernels' form."""
         return flow_rows(self.environment)
 
     def init(self, start: Start, command: Command) -> PlantState:
-        """Straight, the generator at the commanded gait, its offset building up from zero."""
+        """Return the initial state: straight, the generator at the commanded gait, its offset building up from zero."""
         instance("start", start, Start)
         instance("command", command, Command)
         start.check_planar()
@@ -141,13 +141,13 @@ class PlanarPlant(Plant[Planar]):
         return PlantState(values=np.array(values))
 
     def observe(self, state: PlantState) -> Observation:
-        """What can be seen of a state."""
+        """Return the observation of a state."""
         seen = object.__new__(_Seen)
         vars(seen).update(self._named(state.values))
         return seen
 
     def rows(self, state: PlantState, command: Command) -> np.ndarray:
-        """All rows: the layout's parameters, the command, the state."""
+        """Return all rows: the layout's parameters, the command and the state."""
         gait, (kept, asked) = command.gait, self._kept
         if gait.pitch is not None or command.pitch_offset != 0.0:
             raise BadArgument(
@@ -170,7 +170,7 @@ class PlanarPlant(Plant[Planar]):
         return np.concatenate((S, table.ravel()))
 
     def _asked(self, command: Command) -> np.ndarray:
-        """All rows but those of the offset, the state and a recording."""
+        """Return all rows except those of the offset, the state and a recording."""
         a = self.layout
         S, (yaw, _, fin) = a.template.copy(), self._targets(command)
         wave = *yaw[:3], 0.0, fin.amplitude, fin.frequency, fin.offset, fin.phase
@@ -189,15 +189,15 @@ class PlanarPlant(Plant[Planar]):
 
     @cached_property
     def _kept(self) -> tuple[gaits.Gait | None, np.ndarray]:
-        """The last gait and its rows: what steers by the offset alone asks for the same ones again and again."""
+        """The last gait and its rows, cached because steering by the offset alone needs the same rows every time."""
         return None, self.layout.template
 
     def towing_load(self, speed: float, angle: float = 0.0) -> tuple[float, float, float]:
-        """What the water does to the straight robot that is towed at a constant velocity.
+        """Return the load of the water on the straight robot when it is towed at a constant velocity.
 
         Args:
-            speed: Through the water [m/s].
-            angle: From the direction of the tow to the heading, counter-clockwise [rad].
+            speed: Speed through the water [m/s].
+            angle: Angle from the direction of tow to the heading, counter-clockwise [rad].
 
         Returns:
             Force along the body, force across it to the left [N], yaw moment about the middle of its links [N m].
@@ -210,7 +210,7 @@ class PlanarPlant(Plant[Planar]):
         locked = np.zeros(a.n_bodies, dtype=bool)
         self._kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras)
         bodies = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-        moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()  # of all bodies, about the end
+        moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()  # all bodies, about the tail end
         length = bodies[:, rows.LENGTH]
         middle = float(np.sum(length[: a.tail_link]) + 0.5 * np.sum(length[a.tail_link :]))
         return along, across, moment - middle * across
@@ -220,7 +220,7 @@ class PlanarPlant(Plant[Planar]):
         return rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
 
     def stopping(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What stops elements: the slopes of their drag [kg/s], first across and then along them, and masses [kg]."""
+        """Return pairs of drag slopes [kg/s] and masses [kg] of the elements, first across them, then along them."""
         along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
         c, fin = self.coefficients, self.robot.caudal_fin
         free = [c] if c.fin is None or fin is None or not fin.hinges else [c, c.fin]
@@ -228,7 +228,7 @@ class PlanarPlant(Plant[Planar]):
         return [one for pair in pairs for one in pair]
 
     def _stable_step(self) -> float:
-        """The time constant of the link that the drag stops fastest."""
+        """Return the time constant of the link that drag stops fastest."""
         rate = max(float((drag / mass).max()) for drag, mass in self.stopping())
         if not rate < 1.0 / LEAST_DT:
             raise BadArgument(
@@ -264,7 +264,7 @@ class PlanarPlant(Plant[Planar]):
 
     @cached_property
     def _columns(self) -> dict[str, Any]:
-        """Where in a sample stands what an observation names; the fin's locked joints are left out."""
+        """Columns of a sample for each field of an observation; the fin's joints are omitted."""
         fin, joints = rows.LOG_STATE + self.layout.tail_link, self.layout.n_bodies - 1
         return {
             "time": _at(rows.TIME),
@@ -277,7 +277,7 @@ class PlanarPlant(Plant[Planar]):
         }
 
     def _named(self, samples: np.ndarray) -> dict[str, np.ndarray]:
-        """What an observation names, of many samples or of one, but the angles of the links."""
+        """Return an observation's fields, except the link angles, of one or many samples."""
         columns = samples.T
         return {name: columns[which].T for name, which in self._columns.items()}
 
@@ -296,7 +296,7 @@ class PlanarPlant(Plant[Planar]):
 
 
 class _Seen(Observation):
-    """What can be seen in the plane; angles of links are worked out when somebody looks at them."""
+    """Observation in the plane; link angles are computed on first access."""
 
     @cached_property
     def link_angle(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
@@ -305,13 +305,13 @@ class _Seen(Observation):
 
 
 def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:
-    """Angles of the links from their mean and those of the joints, the last axis; of one sample or of many [rad]."""
-    # Running sums one by one: those of numpy and matrix products may round differently with the number of samples.
+    """Return link angles from their mean and the joint angles (last axis), for one or many samples [rad]."""
+    # Sum one by one: NumPy's cumulative sums and matrix products may round differently depending on the sample count.
     relative = [*accumulate(joint_angle.T, initial=0.0 * heading)]  # to the tail link
     *_, total = accumulate(relative)
     return (np.array(relative) + (heading - total / len(relative))).T
 
 
 def _at(row: int) -> int:
-    """Where a state row of the header stands in a state vector or a sample."""
+    """Return the index of a state row of the header in a state vector or a sample."""
     return row - rows.TIME

@@ -1,10 +1,10 @@
-"""One O(n) recursion: the accelerations of a chain of bodies in water, any joint prescribed or free.
+"""O(n) recursion for the accelerations of a chain of bodies in water, each joint prescribed or free.
 
 Articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 and sec. 9.2) in planar spatial
-vectors (one rotation, two translations) in world axes, each body's vectors taken at its tail end, where its joint is.
-The 3x3 inertia of a body holds its anisotropic added mass. A prescribed joint passes its child's whole inertia and
-known acceleration on; a free joint passes on what is left after the joint has given way. Body 0, the tail-most, floats:
-its acceleration is the last 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
+vectors (one rotation, two translations) in world axes, with each body's vectors taken at its tail end, where its joint
+is. The 3x3 inertia of a body includes its anisotropic added mass. A prescribed joint passes on its child's full inertia
+and known acceleration; a free joint passes on what remains after the joint has yielded. Body 0, the tail-most, floats:
+its acceleration is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
 freedom.
 
 A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function allocates.
@@ -24,7 +24,7 @@ loads = bindings(__name__)["loads"]
 
 @kernel
 def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, whole):
-    """Accelerations of the base and of the free joints, for the state in S; `whole`: those of all bodies too."""
+    """Compute the accelerations of base and free joints for the state in S; `whole`: also those of all bodies."""
     velocities(S, n)
     loads.water_around(S, n, first_strip, first_plate, tail_link, has_extras)
     if has_extras:
@@ -35,7 +35,7 @@ def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras
 
 @kernel
 def velocities(S, n):
-    """Angle, rate and velocity of every body from heading, center of mass and joints."""
+    """Compute angle, rate and velocity of every body from heading, center of mass and joints."""
     H = HEADER_ROWS
     angle, rate = S[HEADING], S[HEADING_RATE]
     for i in range(1, n):
@@ -72,7 +72,7 @@ def velocities(S, n):
 
 @kernel
 def inward(S, n, is_free, whole):
-    """Articulated inertia and bias force of body 0, gathered from the head on; what `outward` needs is kept."""
+    """Return articulated inertia and bias force of body 0, accumulated from the head; store what `outward` needs."""
     b = HEADER_ROWS + (n - 1) * BODY_ROWS
     carried = of_body(S, b)
     for i in range(n - 2, -1, -1):
@@ -88,13 +88,13 @@ def inward(S, n, is_free, whole):
 
 @kernel
 def of_body(S, b):
-    """Inertia and bias force of one body alone."""
+    """Return inertia and bias force of one body alone."""
     return *own_inertia(S, b), *own_bias(S, b)
 
 
 @kernel
 def plus(own, carried):
-    """What a body has of its own, and what hangs on it."""
+    """Return the sum of a body's own inertia and bias force and those of the bodies attached to it."""
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = own
     c00, c01, c02, c11, c12, c22, q0, q1, q2 = carried
     return a00 + c00, a01 + c01, a02 + c02, a11 + c11, a12 + c12, a22 + c22, p0 + q0, p1 + q1, p2 + q2
@@ -102,7 +102,7 @@ def plus(own, carried):
 
 @kernel
 def keep_articulated(S, b, articulated):
-    """Store of a body's articulated inertia the row of its rotation, and the bias force."""
+    """Store the rotation row of a body's articulated inertia, and its bias force."""
     a00, a01, a02, _, _, _, p0, p1, p2 = articulated
     for k, one in enumerate((a00, a01, a02, p0, p1, p2)):
         S[b + A00 + k] = one
@@ -110,7 +110,7 @@ def keep_articulated(S, b, articulated):
 
 @kernel
 def own_inertia(S, b):
-    """Inertia of the body and of the water it takes along, about its tail end, world axes."""
+    """Return the inertia of the body including added mass, about its tail end, world axes."""
     c, s = S[b + COS], S[b + SIN]
     mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
     coupling = S[b + COUPLING]
@@ -120,7 +120,7 @@ def own_inertia(S, b):
 
 @kernel
 def own_bias(S, b):
-    """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
+    """Return the bias force of the body: centripetal terms minus all loads that do not depend on acceleration."""
     rate = S[b + LINK_RATE]
     f_t, f_n, moment = loads.added_mass_velocity_terms(S, b)
     drag_t, drag_n, drag_moment = loads.element_drag(S, b, b + CENTER)
@@ -133,14 +133,14 @@ def own_bias(S, b):
 
 @kernel
 def centripetal(S, a):
-    """Acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
+    """Return the acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
     pull = -S[a + LENGTH] * S[a + LINK_RATE] * S[a + LINK_RATE]
     return pull * S[a + COS], pull * S[a + SIN]
 
 
 @kernel
 def through_joint(S, j, joint_is_free, articulated):
-    """Articulated inertia and bias of body j, seen through its joint and moved to the tail end of the body behind."""
+    """Return articulated inertia and bias of body j as seen through its joint, at the tail end of the body behind."""
     b = j - BODY_ROWS
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     pull_x, pull_y = centripetal(S, b)
@@ -154,7 +154,7 @@ def through_joint(S, j, joint_is_free, articulated):
     b02 = a02 + arm_x * a12 + arm_y * a22
     b00 = w0 + arm_x * b01 + arm_y * b02
     swing = S[j + REFERENCE_2]
-    if joint_is_free:  # what it gives way by has rank 1, and waits for the division at last
+    if joint_is_free:  # a rank-1 correction for its yielding, applied last because it waits for the division
         give = 1.0 / (a00 + S[j + IMPLICIT])
         swing = (S[j + TOTAL_TORQUE] - p0) * give
         g0, g1, g2 = w0 * give, a01 * give, a02 * give
@@ -168,7 +168,7 @@ def through_joint(S, j, joint_is_free, articulated):
 
 @kernel
 def floating_base(S, articulated):
-    """Acceleration of body 0 from A a + p = 0."""
+    """Compute the acceleration of body 0 from A a + p = 0."""
     b = HEADER_ROWS
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
@@ -183,7 +183,7 @@ def floating_base(S, articulated):
 
 @kernel
 def outward(S, n, is_free, whole):
-    """Accelerations of heading, center of mass and free joints; `whole`: those of all bodies and joints."""
+    """Compute accelerations of heading, center of mass and free joints; `whole`: those of all bodies and joints."""
     H = HEADER_ROWS
     spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
     heading, ax, ay = spin, 0.0, 0.0
@@ -218,7 +218,7 @@ def outward(S, n, is_free, whole):
 
 @kernel
 def holding_torques(S, n, is_free):
-    """TOTAL_TORQUE that every prescribed joint takes, once the accelerations are known: A a + p along the joint."""
+    """Compute TOTAL_TORQUE of every prescribed joint, once the accelerations are known: A a + p along the joint."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if not is_free[i]:

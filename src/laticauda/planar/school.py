@@ -1,4 +1,4 @@
-"""A school of planar robots: the lanes are those of `laticauda.planar.batch`, but stay in place between intervals."""
+"""A school of planar robots: lanes as in `laticauda.planar.batch`, but kept in place between intervals."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,19 +19,19 @@ from laticauda.robot import Water, has_power_model
 
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
 NOW = (rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW, rows.OFFSET_NOW)
-# In the order of `Motion`; the work comes last.
+# In the order of the fields of `Motion`; the work comes last.
 SEEN = (rows.TIME, rows.X, rows.Y, rows.VX, rows.VY, rows.HEADING, rows.HEADING_RATE, rows.PHASE, *NOW)
 
 
 class School(school.School[PlanarPlant]):
-    """Planar robots in lanes; more threads pay from some thousand robots on. Arguments are those of the base."""
+    """Planar robots in lanes, with the arguments of the base; more threads pay off from about a thousand robots."""
 
     usual_threads = 1
 
     def _begin(self, threads: int) -> Sequence[np.ndarray]:
         plant, n = self.plant, self.n
-        # One robot is faster in a kernel of one lane, and does the same in it; in a flow to rounding alone, whose
-        # formulas have other sines there.
+        # One robot is faster in a one-lane kernel, with identical results; not so with a flow, whose formulas use other
+        # sines there, so that the results agree only to rounding.
         self._width = 1 if n == 1 and not plant.flow.kinds else WIDTH
         n_blocks = -(-n // self._width)
         self._start = plant.rows(plant.init(Start(), self.command), self.command)
@@ -44,7 +44,7 @@ class School(school.School[PlanarPlant]):
         return np.array_split(np.arange(n_blocks), min(threads, n_blocks))
 
     def state(self, which: int) -> PlantState:
-        """The state of one of them, for `PlanarPlant`."""
+        """Return the state of one robot, for `PlanarPlant`."""
         block, lane = divmod(which, self._width)
         values = self._lanes[block, :, lane]
         n_bodies = self.plant.layout.n_bodies
@@ -75,7 +75,7 @@ class School(school.School[PlanarPlant]):
         return self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
 
     def _run(self, blocks: np.ndarray, how: tuple[bool, int, float, int]) -> None:
-        sample = np.empty((2, 1, self._width))  # the kernel's log; the lanes themselves say all that is needed
+        sample = np.empty((2, 1, self._width))  # the kernel's log; unused, because the lanes hold all that is needed
         for block in blocks:
             lanes = self._lanes[block] if self._width > 1 else self._lanes[block, :, 0]
             self._kernel(lanes, *self._shape, *how, sample)
@@ -84,5 +84,5 @@ class School(school.School[PlanarPlant]):
         return self._of_each(self._lanes[:, STATE])[self._seen], ()
 
     def _of_each(self, part: np.ndarray) -> np.ndarray:
-        """Rows of all blocks as one row per quantity, one column per robot."""
+        """Return the rows of all blocks with one row per quantity and one column per robot."""
         return part.transpose(1, 0, 2).reshape(part.shape[1], -1)[:, : self.n]

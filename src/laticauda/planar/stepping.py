@@ -1,11 +1,11 @@
-"""March a planar run through time, with two fixed-step integrators.
+"""Integrate a planar run in time with two fixed-step methods.
 
-- Prescribed joints: Butcher's Runge-Kutta of order 5 for the three degrees of freedom that are left. Its six stages
-  stand at quarters of the step, so the reference is needed four times per step only; at an error of 1e-6 it takes
-  three quarters of the evaluations of the classic one of order 4.
+- Prescribed joints: Butcher's Runge-Kutta method of order 5 for the three remaining degrees of freedom. Its six stages
+  lie at quarters of the step, so the reference is needed only four times per step; at an error of 1e-6 it takes three
+  quarters of the evaluations of the classic method of order 4.
 - Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit (`laticauda.dynamics.stages`).
 
-A template (see `templates`); its entry points are what Python calls.
+A template (see `templates`); Python calls its entry points.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -25,7 +25,7 @@ loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"
 
 combined = compiled(stages.combined)
 BASE_ROWS = 6  # HEADING ... VY are contiguous
-# What the slopes count for where the next stage looks, and at the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964).
+# Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964).
 WEIGHTS = (
     (1 / 4, 0.0, 0.0, 0.0, 0.0, 0.0),
     (1 / 8, 1 / 8, 0.0, 0.0, 0.0, 0.0),
@@ -38,11 +38,11 @@ WEIGHTS = (
 
 @entry
 def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
-    """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
+    """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th step, including the first and last.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or fewer rows: then only the first of them. A
-    lane whose numbers leave the finite range stops counting its SAMPLES there; the others do not notice. Returns the
-    most samples that any lane counted.
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes); with fewer rows, only the first ones are logged.
+    A lane whose numbers leave the finite range stops counting its SAMPLES at that point; the others are unaffected.
+    Returns the largest number of samples that any lane counted.
     """
     S = rows_of(flat)
     is_free = free_joints(law)
@@ -67,7 +67,7 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
             written += 1
         if step == steps:
             break
-        if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
+        if two_ways:  # the torques above follow from accelerations, which must not include implicit terms
             drives.joint_torques(S, n, law, GAMMA * dt)
             recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
         if implicit:
@@ -79,7 +79,7 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
 
 @entry
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
-    """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
+    """Compute accelerations and torques of the state in `flat` from REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
     recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
     recursion.holding_torques(S, n, is_free)
@@ -87,7 +87,7 @@ def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
 
 @entry
 def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, log, force):
-    """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
+    """Compute the force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
     `force` has shape (n_samples, 3, n, 2, lanes).
     """
@@ -103,13 +103,13 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
 
 @kernel
 def free_joints(law):
-    """Which joints are free, one truth value each."""
+    """Return which joints are free, one boolean per joint."""
     return law >= FIRST_FREE
 
 
 @kernel
 def any_prescribed(law, n):
-    """Whether the angle of any joint is given."""
+    """Return whether any joint is prescribed."""
     found = False
     for i in range(1, n):
         if law[i] == PRESCRIBED:
@@ -119,7 +119,7 @@ def any_prescribed(law, n):
 
 @kernel
 def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
-    """Stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; the first one's accelerations are in S already."""
+    """Run stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; S already holds the first stage's accelerations."""
     for r in range(BASE_ROWS):
         S[SAVED + r] = S[HEADING + r]
     for stage in range(5):
@@ -128,7 +128,7 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         if stage != 1:
             drives.advance_reference(S, n, law, tail_link, 0.25 * dt)
         recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2)
-        if stage == 2:  # half way, where the work is counted
+        if stage == 2:  # the midpoint of the step, where work is counted
             recursion.holding_torques(S, n, is_free)
             drives.count_work(S, n, law, 0.5 * dt)
     keep_slope(S, 5)
@@ -137,7 +137,7 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
 
 @kernel
 def keep_slope(S, stage):
-    """Store how the base's state changes at this stage."""
+    """Store the slope of the base's state at this stage."""
     for r in range(3):
         S[SLOPES + BASE_ROWS * stage + r] = S[HEADING_RATE + r]
         S[SLOPES + BASE_ROWS * stage + 3 + r] = S[HEADING_ACCELERATION + r]
@@ -145,7 +145,7 @@ def keep_slope(S, stage):
 
 @kernel
 def step_ahead(S, dt, weights, n_stages):
-    """Set the base to where it was, plus dt times the weighted slopes of the stages so far."""
+    """Set the base to its saved state plus dt times the weighted slopes of the stages so far."""
     for r in range(BASE_ROWS):
         slope = weights[0] * S[SLOPES + r]
         for stage in range(1, n_stages):
@@ -155,7 +155,7 @@ def step_ahead(S, dt, weights, n_stages):
 
 @kernel
 def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
-    """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in S already."""
+    """Finish the step, y + h (3/2 k1 + 1/2 k2); S already holds the accelerations of k1."""
     gamma_dt = GAMMA * dt
     keep_first_slope(S, n, is_free, dt, gamma_dt)
     drives.advance_reference(S, n, law, tail_link, dt)
@@ -202,7 +202,7 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 @kernel
 def write_sample(S, n, sample, n_rows):
-    """One sample: the header's state rows, then angle, rate, reference and torque of every joint; or the first rows."""
+    """Write the header's state rows, then angle, rate, reference and torque of every joint; or the first rows only."""
     joints = n - 1
     for r in range(min(n_rows, LOG_STATE)):
         sample[r] = S[TIME + r]
@@ -226,7 +226,7 @@ def read_sample(S, n, sample):
 
 @kernel
 def finite(S, n):
-    """Whether positions, rates, joint rates and torques are still numbers that a swimming robot can have."""
+    """Return whether positions, rates, joint rates and torques are still plausible for a swimming robot."""
     well = magnitude(S[HEADING]).real < FARTHEST
     for r in range(1, BASE_ROWS):
         well = well & (magnitude(S[HEADING + r]).real < FARTHEST)

@@ -1,4 +1,4 @@
-"""What goes over the wires: the modules' CAN bus (`mamba.dbc`), the motion capture's packets, the power meter's lines.
+"""Wire protocols: the modules' CAN bus (`mamba.dbc`), the motion capture's packets, and the power meter's lines.
 
 No heavy library is loaded until a frame is encoded or a bus is opened.
 """

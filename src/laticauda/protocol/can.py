@@ -1,11 +1,11 @@
-"""The robot's CAN bus: between messages and frames, and which bus of python-can's it is.
+"""The robot's CAN bus: conversion between messages and frames, and the address of a python-can bus.
 
-Frames are those of `mamba.dbc`, which `tests/mamba_dbc.py` writes; what loads python-can.
+Frames are those of `mamba.dbc`, which `tests/mamba_dbc.py` writes; `to_frame` and `open_bus` load python-can.
 
-Frames come and go three thousand times a second, so they are packed here by the layouts from which the file is written;
-that cantools makes the same bytes and numbers of them, by the file alone, is what the tests say.
+Three thousand frames come and go every second, so they are packed here, by the layouts from which the file is written;
+the tests check that cantools, given only the file, converts them to the same bytes and numbers.
 
-What a bus delivers is not to be trusted: `decode` gives None for whatever is no frame of ours, and never raises.
+Data from a bus are not trusted: `decode` returns None for anything that is not one of our frames, and never raises.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -29,33 +29,33 @@ from laticauda.protocol.messages import N_NODES, Signal
 from laticauda.quantities import option, quantity, value
 
 NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(messages.N_GROUPS)}
-"""Numbers of the frames of one kind, by the field that says which one it is."""
+"""Numbers of the frames of one kind, by the field that identifies the frame."""
 
 
 class Number(NamedTuple):
     """One number in a frame."""
 
     name: str
-    """What the file calls it."""
+    """Name in the file."""
     kind: Any
-    """Type of the field that it belongs to."""
+    """Type of the field to which it belongs."""
     signal: Signal
-    """How it goes over the bus."""
+    """Encoding on the bus."""
     scale: float
-    """What one step of it is worth."""
+    """Value of one step."""
     start: int
-    """Its first bit."""
+    """First bit."""
     low: int
-    """Its least value on the bus; the lowest of all says that a sensor has nothing to say."""
+    """Smallest value on the bus; the lowest of all means that a sensor has no value."""
     high: int
-    """Its greatest."""
+    """Largest value on the bus."""
     is_word: bool
-    """Whether it stands for something: a flag, or a word."""
+    """Whether it is symbolic: a flag, or a word."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """One kind of frame: the fields of its message in their order, each one number or several in a row."""
+    """One kind of frame: the fields of its message in order, each with one or several consecutive numbers."""
 
     kind: type[messages.CanMessage]
     identifier: int
@@ -63,17 +63,17 @@ class Layout:
 
     @cached_property
     def number(self) -> str:
-        """The field that says which frame it is; "" where there is but one."""
+        """Field that identifies the frame; "" if there is only one."""
         return next((name for name, hint in get_type_hints(self.kind, include_extras=True).items() if hint is int), "")
 
     @property
     def numbers(self) -> range:
-        """Of the frames."""
+        """Numbers of the frames."""
         return NUMBERS[self.number]
 
     @cached_property
     def fields(self) -> dict[str, tuple[Number, ...]]:
-        """The numbers of every field that the frame carries."""
+        """Numbers of every field that the frame carries."""
         found, start = dict[str, tuple[Number, ...]](), 0
         for field, hint in get_type_hints(self.kind, include_extras=True).items():
             if field != self.number:
@@ -88,12 +88,12 @@ class Layout:
 
     @cached_property
     def length(self) -> int:
-        """Bytes of data."""
+        """Number of data bytes."""
         return sum(one.signal.bits for one in self.signals) // 8
 
 
 def _numbers(field: str, hint: Any, start: int) -> Iterator[Number]:
-    """Those of one field, from this bit on."""
+    """Yield the numbers of one field, starting at a given bit."""
     kind, how = get_args(hint) if get_origin(hint) is Annotated else (hint, Signal(1 if hint is bool else 8))
     top = 2 ** (how.bits - how.signed)
     low = -top + (type(None) not in get_args(kind)) if how.signed else 0
@@ -107,7 +107,7 @@ LAYOUTS = (
     Layout(messages.EmergencyStop, 0x001, "All motors off until cleared."),
     Layout(messages.NodeCommand, 0x010, "An order to one node or to all."),
     Layout(messages.References, 0x100, "Reference angles of four joints; they count from the next Sync on."),
-    # Behind the references: were it of higher priority, it could overtake those that it is meant for.
+    # After the references: with a higher priority, it could overtake those to which it applies.
     Layout(messages.Sync, 0x180, "References count from here; every node measures and answers."),
     Layout(messages.JointState, 0x200, "The answer to every Sync."),
     Layout(messages.Loads, 0x280, "The force/torque sensor."),
@@ -120,7 +120,7 @@ LAYOUTS = (
 # ---- packing ---------------------------------------------------------------------------------------------------------
 
 NOT_AVAILABLE = -32768
-"""The lowest number of a signed word: what a sensor says that has nothing to say."""
+"""Lowest number of a signed word, sent for a sensor that has no value."""
 
 
 LAYOUT_OF: dict[type[Any], Layout] = {layout.kind: layout for layout in LAYOUTS}
@@ -129,7 +129,7 @@ _FIRST_ANSWER = LAYOUT_OF[messages.JointState].identifier
 
 
 def python_can() -> Any:
-    """The module of python-can.
+    """Return the module of python-can.
 
     Raises:
         MissingExtra: If it is not installed.
@@ -138,10 +138,10 @@ def python_can() -> Any:
 
 
 def encode(message: messages.CanMessage) -> tuple[int, bytes]:
-    """The identifier and data of the frame that carries a message. Numbers beyond a signal's range saturate.
+    """Return identifier and data of the frame that carries a message; numbers beyond a signal's range saturate.
 
     Args:
-        message: What to send.
+        message: The message to send.
 
     Raises:
         ValueError: If there is no such node, or a number is not finite.
@@ -155,19 +155,19 @@ def encode(message: messages.CanMessage) -> tuple[int, bytes]:
         value: Any = getattr(message, field)
         values = (value,) if len(numbers) == 1 else (None,) * len(numbers) if value is None else value
         for one, value in zip(numbers, values, strict=True):
-            least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest says that nothing is known
-            sound = value if value is None or math.isfinite(value) else finite(one.name, value)  # which refuses it
+            least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest means that the value is unknown
+            sound = value if value is None or math.isfinite(value) else finite(one.name, value)  # which rejects it
             raw = NOT_AVAILABLE if sound is None else round(min(max(sound / one.scale, least), one.high))
             whole |= (raw & (1 << one.signal.bits) - 1) << one.start
     return layout.identifier + number, whole.to_bytes(layout.length, "little")
 
 
 def decode(identifier: int, data: bytes) -> messages.CanMessage | None:
-    """The message that a frame carries, or None if it is none of ours: unknown, too short, too long, or no sense in it.
+    """Return the message that a frame carries, or None if it is not ours: unknown, too short, too long, or invalid.
 
     Args:
-        identifier: Of the frame, 11 bits.
-        data: Its bytes.
+        identifier: Identifier of the frame, 11 bits.
+        data: Data bytes of the frame.
     """
     layout, number = _BY_IDENTIFIER.get(identifier, (None, 0))
     if layout is None or len(data) != layout.length:
@@ -178,13 +178,13 @@ def decode(identifier: int, data: bytes) -> messages.CanMessage | None:
         for field, numbers in layout.fields.items():
             values = tuple(_value(one, whole) for one in numbers)
             known[field] = values[0] if len(values) == 1 else None if None in values else values
-    except ValueError:  # a number that stands for no word
+    except ValueError:  # a number that does not represent a word
         return None
     return layout.kind(**known)
 
 
 def _value(one: Number, whole: int) -> Any:
-    """What a frame's bits say of one number; None where a sensor has nothing to say."""
+    """Return the value of one number in a frame's bits; None if a sensor has no value."""
     _, kind, how, scale, start, low, _, is_word = one
     raw = whole >> start & (1 << how.bits) - 1
     if how.signed and raw >> how.bits - 1:
@@ -195,55 +195,55 @@ def _value(one: Number, whole: int) -> Any:
 
 
 def from_node(identifier: int) -> bool:
-    """Whether a frame with this `identifier` comes from a node, if it is one of ours.
+    """Return whether a frame with this `identifier` comes from a node, provided that it is one of ours.
 
     Args:
-        identifier: Of the frame, 11 bits.
+        identifier: Identifier of the frame, 11 bits.
     """
     return identifier >= _FIRST_ANSWER
 
 
 def to_frame(message: messages.CanMessage) -> Any:
-    """The `can.Message` that carries a `message`.
+    """Return the `can.Message` that carries a `message`.
 
     Args:
-        message: What it says.
+        message: The message to carry.
     """
     identifier, data = encode(message)
     return python_can().Message(arbitration_id=identifier, data=data, is_extended_id=False)
 
 
 def from_frame(frame: Any) -> messages.CanMessage | None:
-    """The message in `frame`, a `can.Message`, or None if it is none of ours, as error and remote frames are.
+    """Return the message in `frame`, a `can.Message`, or None if it is not ours, as for error and remote frames.
 
     Args:
-        frame: A `can.Message`, as a bus received it.
+        frame: A `can.Message`, as received from a bus.
     """
     if getattr(frame, "is_extended_id", True) or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
 
 
-# ---- which bus it is, and how it is opened ---------------------------------------------------------------------------
+# ---- addresses of buses, and how they are opened ---------------------------------------------------------------------
 
 
 GROUP, PORT = "239.74.163.2", 43113
-IP_MULTICAST_ALL = 49  # of Linux; Python does not name it
+IP_MULTICAST_ALL = 49  # of Linux; Python does not define it
 CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
-"""The usual ones."""
+"""Default channels, by interface."""
 
 
 class BusFailed(LaticaudaError, OSError):
-    """A CAN bus cannot be opened: it says which, and why."""
+    """Raised if a CAN bus cannot be opened; the message says which, and why."""
 
 
 @value
 class BusAddress:
-    """Which CAN bus.
+    """Address of a CAN bus.
 
     - `virtual`: within one process; the channel is any name.
     - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. It is joined by loopback
-      alone, where nobody else can send or hear, unless `hops` says so. Everyone hears their own frames, too.
+      only, where no other computer can send or receive, unless `hops` allows it. Members also receive their own frames.
     - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the operating system has set it
       to 1 Mbit/s.
     """
@@ -254,32 +254,32 @@ class BusAddress:
     hops: int = quantity("", "routers that frames of udp_multicast may pass", ge=0, le=255, default=0)
 
     def __post_init__(self) -> None:
-        """Fill in the channel, and refuse what is no multicast group."""
+        """Fill in the channel, and reject anything that is not a multicast group."""
         if not self.channel:
             object.__setattr__(self, "channel", CHANNELS[self.interface])
         if self.interface == "udp_multicast":
             is_group = False
-            with contextlib.suppress(ValueError):  # it is no address
+            with contextlib.suppress(ValueError):  # it is not an address
                 is_group = ipaddress.IPv4Address(self.channel).is_multicast
             if not is_group:
                 rule = f"must be an IPv4 multicast group such as {GROUP}, got {self.channel!r}"
                 raise BadArgument("channel", rule)
 
     def __str__(self) -> str:
-        """As the user reads and writes it: interface:channel, with the port of udp_multicast."""
+        """Return the form that users read and write: interface:channel, with the port for udp_multicast."""
         port = f":{self.port}" if self.interface == "udp_multicast" else ""
         return f"{self.interface}:{self.channel}{port}"
 
 
 def bus_address(text: str, *, hops: int = 0) -> BusAddress:
-    """The address that a text such as `udp_multicast:239.74.163.2:43113`, `virtual:mamba` or `socketcan` says.
+    """Parse an address such as `udp_multicast:239.74.163.2:43113`, `virtual:mamba` or `socketcan`.
 
     Args:
-        text: Interface, then channel and port, which may be left out.
+        text: Interface, then channel and port, which may be omitted.
         hops: Routers that frames of udp_multicast may pass [-].
 
     Raises:
-        ValueError: If it is none.
+        ValueError: If the text is not an address.
     """
     interface, _, rest = text.partition(":")
     if interface != "udp_multicast":
@@ -291,7 +291,7 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
 
 
 def open_bus(address: BusAddress) -> Any:
-    """A `can.BusABC` at `address`, which is to be shut down after use.
+    """Open a `can.BusABC` at `address`, which must be shut down after use.
 
     Args:
         address: Interface, channel and port.
@@ -312,7 +312,7 @@ def open_bus(address: BusAddress) -> Any:
 
 
 def _local_bus(settings: Mapping[str, Any]) -> Any:
-    """A bus within this computer, of python-can but for its socket, which would join the group on a network."""
+    """Return a bus within this computer: python-can's except for its socket, which would join a group on a network."""
     module = import_module("can.interfaces.udp_multicast.bus")
 
     class Wire(module.GeneralPurposeUdpMulticastBus):
@@ -329,10 +329,10 @@ def _local_bus(settings: Mapping[str, Any]) -> Any:
 
 
 def _local_socket(group: str, port: int) -> socket.socket:
-    """A socket that sends to a multicast group by loopback, and hears what comes to it by loopback alone.
+    """Return a socket that sends to a multicast group over loopback, and receives from it over loopback only.
 
     Raises:
-        OSError: If the system cannot do that.
+        OSError: If the system does not support this.
     """
     found, loopback = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), socket.inet_aton("127.0.0.1")
     try:
@@ -341,12 +341,12 @@ def _local_socket(group: str, port: int) -> socket.socket:
                 found.setsockopt(socket.SOL_SOCKET, getattr(socket, name), 1)
         found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, loopback)
-        # What is sent to one of our own addresses in the network is for nobody in the group.
+        # Data sent to one of this computer's addresses in the network are not for members of the group.
         found.bind(("127.0.0.1" if sys.platform == "win32" else group, port))
         found.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + loopback)
-        if sys.platform == "linux":  # else it would hear what others here have joined elsewhere
+        if sys.platform == "linux":  # else it would receive what others here have joined elsewhere
             found.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
-            with contextlib.suppress(OSError):  # an older kernel, where that is for root alone
+            with contextlib.suppress(OSError):  # an older kernel, where this requires root
                 found.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lo\0")
     except OSError:
         found.close()

@@ -1,10 +1,10 @@
-"""The serial interface of Fluke 287 and 289 multimeters: one line of ASCII asked, one or two answered.
+"""Serial interface of Fluke 287 and 289 multimeters: one line of ASCII as the question, one or two as the answer.
 
-A question ends with a carriage return. The answer begins with a line that has one digit: 0 well, 1 syntax error,
-2 execution error, 5 no data; after a 0 comes a line of data, if there is any. 115200 baud, 8N1.
+A question ends with a carriage return. The answer begins with a line of one digit: 0 success, 1 syntax error,
+2 execution error, 5 no data; a 0 is followed by a line of data, if there is any. 115200 baud, 8N1.
 
-Fluke documents ID, QM and QDDA among others. `PRESS MINMAX`, a push of that button, is known from other programs only;
-here it begins the record of minimum, average and maximum anew.
+Fluke documents ID, QM and QDDA among others. `PRESS MINMAX`, which presses that button, is known only from other
+programs; here it restarts the record of minimum, average and maximum.
 
 References:
     Fluke, "Fluke 289/287 Remote Interface Specification" (remote_spec28X); N0ury/dmm_util for the fields' names.
@@ -19,13 +19,13 @@ from laticauda.protocol.messages import ProtocolError
 BAUD_RATE = 115200
 END = b"\r"
 IDENTITY, MEASURE, DISPLAYED, RESTART = "ID", "QM", "QDDA", "PRESS MINMAX"
-LONGEST = 1000  # bytes of a line; no sound one comes near
+LONGEST = 1000  # bytes of a line; valid ones are far shorter
 READING_FIELDS = 9
 OVERLOAD = 9.99999999e37
 
 
 class Acknowledgment(IntEnum):
-    """How an answer begins."""
+    """First line of an answer."""
 
     WELL = 0
     SYNTAX_ERROR = 1
@@ -35,40 +35,40 @@ class Acknowledgment(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class MeterReading:
-    """What the meter shows of the supply's current."""
+    """Reading of the supply's current by the meter."""
 
     live: float
-    """Now [A]."""
+    """Present current [A]."""
     average: float | None = None
-    """Since its record began; None: it keeps none [A]."""
+    """Average since the record began; None: no record [A]."""
     minimum: float | None = None
-    """Likewise [A]."""
+    """Minimum since the record began; None: no record [A]."""
     maximum: float | None = None
-    """Likewise [A]."""
+    """Maximum since the record began; None: no record [A]."""
     duration: float | None = None
-    """Of the record [s]."""
+    """Duration of the record [s]."""
 
 
 @dataclass
 class LineReader:
-    """Cuts a stream of bytes into lines that end with a carriage return, and drops what is too long to be one."""
+    """Splits a stream of bytes into lines that end with a carriage return, and drops data too long for a line."""
 
     _waiting: bytes = field(default=b"")
 
     def feed(self, data: bytes) -> list[str]:
-        """The lines that are complete with `data`, without their ends; what is no ASCII is replaced."""
+        """Return the lines completed by `data`, without their ends; non-ASCII bytes are replaced."""
         *lines, self._waiting = (self._waiting + data).split(END)
         self._waiting = self._waiting[-LONGEST:]
         return [line.strip(b"\n").decode("ascii", errors="replace") for line in lines]
 
 
 def encode_question(word: str) -> bytes:
-    """A question as it goes over the line."""
+    """Encode a question for transmission."""
     return word.encode("ascii") + END
 
 
 def encode_answer(data: str | None = None, acknowledgment: Acknowledgment = Acknowledgment.WELL) -> bytes:
-    """An answer as it goes over the line.
+    """Encode an answer for transmission.
 
     Args:
         data: The second line, if there is one.
@@ -79,20 +79,20 @@ def encode_answer(data: str | None = None, acknowledgment: Acknowledgment = Ackn
 
 
 def live_text(current: float) -> str:
-    """The data of the answer to QM: value, unit, state, attribute."""
+    """Return the data of the answer to QM: value, unit, state, attribute."""
     return f"{current:.6E},ADC,NORMAL,NONE"
 
 
 def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
-    """The data of the answer to QDDA.
+    """Return the data of the answer to QDDA.
 
-    It has primary and secondary function, range, unit, range number, multiplier, the lightning bolt, when the record
-    began, the number of modes and their names, the number of readings, and nine fields for each: which, value, unit,
-    multiplier, decimals, digits, state, attribute, when.
+    It contains primary and secondary function, range, unit, range number, multiplier, the lightning bolt, start time of
+    the record, the number of modes and their names, the number of readings, and nine fields for each: name, value,
+    unit, multiplier, decimals, digits, state, attribute, time.
 
     Args:
-        reading: What the meter shows.
-        now: By the meter's clock [s].
+        reading: Reading that the meter shows.
+        now: Time on the meter's clock [s].
     """
     readings: dict[str, float] = {"LIVE": reading.live}
     modes: tuple[str, ...] = ()
@@ -109,10 +109,10 @@ def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
 
 
 def decode_displayed(text: str) -> MeterReading:
-    """What the answer to QDDA tells.
+    """Decode the answer to QDDA.
 
     Raises:
-        ProtocolError: If it is no such answer, or not a direct current.
+        ProtocolError: If it is not such an answer, or not a direct current.
     """
     words = text.split(",")
     try:

@@ -1,8 +1,8 @@
-"""Packets of the real-time protocol of Qualisys Track Manager (QTM), version 1.25: what the tank's cameras speak.
+"""Packets of the real-time protocol of Qualisys Track Manager (QTM), version 1.25, which the tank's cameras use.
 
-A packet is its size and its type, each four bytes with the least significant first, and its payload. Positions are in
-mm on the wire and in m here; rotation matrices go column by column. A body that is not seen has nan in all its numbers
-on the wire, and is None here.
+A packet consists of its size and its type, each four bytes, least significant first, and its payload. Positions are in
+mm on the wire and in m here; rotation matrices are sent column by column. A body that is not seen has nan in all its
+numbers on the wire, and is None here.
 
 References:
     Qualisys AB, "QTM Real-time Server Protocol Documentation", version 1.25; qualisys/qualisys_python_sdk.
@@ -23,10 +23,10 @@ from laticauda.protocol.messages import ProtocolError
 
 Point = tuple[float, float, float]
 
-PORT = 22223  # for those who take the least significant byte first
+PORT = 22223  # for clients that use the least significant byte first
 VERSION = "1.25"
 BANNER = "QTM RT Interface connected"
-LARGEST = 1 << 20  # bytes; no packet of a few bodies comes near
+LARGEST = 1 << 20  # bytes; packets of a few bodies are far smaller
 HEADER = struct.Struct("<II")
 DATA_HEADER = struct.Struct("<qII")
 COMPONENT_HEADER = struct.Struct("<II")
@@ -35,7 +35,7 @@ LOST = np.full(3, np.nan)
 
 
 class PacketType(IntEnum):
-    """What a packet holds."""
+    """Content of a packet."""
 
     ERROR = 0
     COMMAND = 1
@@ -46,14 +46,14 @@ class PacketType(IntEnum):
 
 
 class Event(IntEnum):
-    """What a server tells of itself."""
+    """Event that a server reports."""
 
     CONNECTED = 1
     SHUTTING_DOWN = 11
 
 
 class Component(IntEnum):
-    """What a data packet may hold of a frame."""
+    """Component of a frame that a data packet may contain."""
 
     BODIES = 5
     MARKERS = 9
@@ -66,54 +66,54 @@ COMPONENTS: dict[str, Component] = dict(zip(("6d", "3dres", "6dres", "skeleton")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BodyPose:
-    """Where the cameras see a body."""
+    """Pose of a body as seen by the cameras."""
 
     position: Float[np.ndarray, " 3"]
-    """Of its origin, in the cameras' frame [m]."""
+    """Position of its origin, in the cameras' frame [m]."""
     rotation: Float[np.ndarray, "3 3"]
     """Its axes as columns, in the cameras' frame [-]."""
     residual: float = math.nan
-    """Mean distance of its markers from where the pose has them; nan: not asked for [m]."""
+    """Mean distance of its markers from their positions according to the pose; nan: not requested [m]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MocapFrame:
-    """All bodies at one moment."""
+    """All bodies at one instant."""
 
     timestamp: float
-    """By the cameras' clock [s]."""
+    """Time on the cameras' clock [s]."""
     number: int
-    """One more every frame; frames that were lost leave gaps [-]."""
+    """Increases by one every frame; lost frames leave gaps [-]."""
     bodies: tuple[BodyPose | None, ...]
-    """In the order of the server's list; None: not seen."""
+    """Poses in the order of the server's list; None: not seen."""
 
 
 def encode_packet(kind: PacketType, payload: bytes) -> bytes:
-    """A packet as it goes over the connection."""
+    """Encode a packet for transmission."""
     return HEADER.pack(HEADER.size + len(payload), kind) + payload
 
 
 def encode_text(text: str, kind: PacketType = PacketType.COMMAND) -> bytes:
-    """The packet of a command, an answer, an error or an XML text."""
+    """Encode the packet of a command, an answer, an error or an XML text."""
     return encode_packet(kind, text.encode() + b"\0")
 
 
 def encode_event(event: Event) -> bytes:
-    """The packet of an event."""
+    """Encode the packet of an event."""
     return encode_packet(PacketType.EVENT, bytes([event]))
 
 
 class PacketReader:
-    """Cuts a stream of bytes into packets; holds those bytes of which the rest has yet to come."""
+    """Splits a stream of bytes into packets; keeps the bytes of incomplete packets until the rest arrives."""
 
     def __init__(self) -> None:
         self._waiting = b""
 
     def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
-        """Type and payload of every packet that is complete with `data`.
+        """Yield type and payload of every packet completed by `data`.
 
         Raises:
-            ProtocolError: If a packet says an impossible size; the stream is of no use from there on.
+            ProtocolError: If a packet states an impossible size; the stream is unusable from there on.
         """
         self._waiting += data
         while len(self._waiting) >= HEADER.size:
@@ -127,19 +127,19 @@ class PacketReader:
 
 
 def decode_text(payload: bytes) -> str:
-    """The text in the payload of a command, an error or an XML packet; what is no UTF-8 is replaced."""
+    """Return the text in the payload of a command, an error or an XML packet; invalid UTF-8 is replaced."""
     return payload.split(b"\0", 1)[0].decode(errors="replace")
 
 
 def encode_frame(
     frame: MocapFrame, components: Sequence[Component] = (Component.BODIES_RESIDUAL,), points: Sequence[Point] = ()
 ) -> bytes:
-    """The data packet of a frame.
+    """Encode the data packet of a frame.
 
     Args:
-        frame: What the cameras saw.
-        components: In what forms to send it; as skeletons, every body is one of one segment.
-        points: Where the markers of every body are in its own axes [m].
+        frame: Frame that the cameras saw.
+        components: Components to send; as a skeleton, every body has one segment.
+        points: Positions of the markers of every body in its own axes [m].
     """
     parts = [DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))]
     for component in components:
@@ -151,12 +151,12 @@ def encode_frame(
 
 
 def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: Set[str]) -> str:
-    """The answer to `getparameters`.
+    """Return the answer to `getparameters`.
 
     Args:
         frequency: Frames per second [Hz].
-        bodies: Where the markers of every body are in its own axes, by its name [m].
-        asked: Of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (every body as one of one segment).
+        bodies: Positions of the markers of every body in its own axes, by its name [m].
+        asked: Any of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (one of one segment per body).
     """
     said = f"<General><Frequency>{frequency:g}</Frequency></General>" if "general" in asked else ""
     if "3d" in asked:
@@ -179,7 +179,7 @@ def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: S
 
 
 def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
-    """A body's numbers in one form."""
+    """Encode a body's numbers as one component."""
     if component == Component.MARKERS:
         at = np.full((len(points), 3), np.nan) if body is None else body.position + np.array(points) @ body.rotation.T
         return b"".join(struct.pack("<4f", *(1e3 * place).tolist(), 0.0) for place in at)
@@ -194,7 +194,7 @@ def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Po
 
 
 def body_pose(numbers: Sequence[float]) -> BodyPose | None:
-    """The pose that a body's numbers say: position [mm], rotation by columns, and perhaps the residual [mm].
+    """Return the pose given by a body's numbers: position [mm], rotation by columns, and perhaps the residual [mm].
 
     Returns:
         The pose, or None if a number of its position or rotation is not finite: the body was not seen.

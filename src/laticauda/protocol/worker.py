@@ -1,4 +1,4 @@
-"""What every driver has: a thread that never dies of an exception and ends when it is to, and the operator's clock."""
+"""Common parts of all drivers: a thread that survives exceptions and ends on request, and the operator's clock."""
 
 import ctypes
 import gc
@@ -14,21 +14,21 @@ from typing import Any, Generic, Self, TypeVar
 from laticauda.errors import LaticaudaError, optional_import, positive
 
 T = TypeVar("T")
-MOST_WAITING = 100_000  # items that nobody asks for; then the oldest are dropped
-GIVE_UP = 5.0  # a thread that does not end by then is reported [s]
-RETRY = 0.5  # after an error, before the next try [s, wall clock]
+MOST_WAITING = 100_000  # items waiting to be received; beyond this, the oldest are dropped
+GIVE_UP = 5.0  # how long `close` waits for the thread to end [s]
+RETRY = 0.5  # delay between an error and the next attempt [s, wall clock]
 
 
 class DeviceFailed(LaticaudaError, OSError):
-    """A device cannot be reached: it says which, why, and what to check."""
+    """Raised if a device cannot be reached; the message says which, why, and what to check."""
 
 
 def hardware(package: str, module: str) -> Any:
-    """A device's library, which comes with the extra `hardware`.
+    """Return a device's library, which belongs to the extra `hardware`.
 
     Args:
-        package: As it is installed.
-        module: As it is imported.
+        package: Name under which it is installed.
+        module: Name under which it is imported.
 
     Raises:
         MissingExtra: If it is not installed.
@@ -37,12 +37,12 @@ def hardware(package: str, module: str) -> Any:
 
 
 class Worker(Generic[T]):
-    """Runs `work` again and again in a thread of its own.
+    """Repeatedly runs `work` in a separate thread.
 
-    What it finds goes into a queue; what goes wrong becomes a sentence in `trouble`, and it tries again.
+    Results go into a queue; an error becomes a sentence in `trouble`, and the work is retried.
 
     Args:
-        name: Of the thread.
+        name: Name of the thread.
     """
 
     def __init__(self, name: str) -> None:
@@ -52,23 +52,23 @@ class Worker(Generic[T]):
         self._thread = threading.Thread(target=self._run, name=f"{NAME}{name}", daemon=True)
 
     def work(self) -> None:
-        """One piece of work, which must come back within some tenths of a second."""
+        """Do one piece of work, which must return within a few tenths of a second."""
         raise NotImplementedError
 
     def release(self) -> None:
-        """Give back what the device holds, if it holds anything; called after the thread has ended."""
+        """Release the resources of the device, if it holds any; called after the thread has ended."""
 
     @property
     def trouble(self) -> str:
-        """What is wrong now, in a sentence; "" if nothing is."""
+        """Current problem, in a sentence; "" if there is none."""
         return self._trouble
 
     def receive(self) -> tuple[T, ...]:
-        """What came in since the last call, oldest first."""
+        """Return the items that came in since the last call, oldest first."""
         return tuple(self._found.popleft() for _ in range(len(self._found)))
 
     def close(self) -> None:
-        """End the thread and give the device back."""
+        """End the thread and release the device."""
         if self._ended.is_set():
             return
         self._ended.set()
@@ -90,43 +90,43 @@ class Worker(Generic[T]):
                 self._ended.wait(RETRY)
 
     def __enter__(self) -> Self:
-        """Itself."""
+        """Return the worker itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close it."""
+        """Close the worker."""
         self.close()
 
 
 NAME = "laticauda-"
-DEVICES, LOOP = 10, 20  # priorities in real time
-PRESENT = 1 | 4  # MCL_CURRENT and MCL_ONFAULT: what is in memory stays there, and nothing is fetched for it
-SWITCH_INTERVAL = 0.0005  # between threads of this program; Python's own 5 ms are half a period [s]
+DEVICES, LOOP = 10, 20  # real-time priorities
+PRESENT = 1 | 4  # MCL_CURRENT and MCL_ONFAULT: pages in memory stay there, and no others are loaded for it
+SWITCH_INTERVAL = 0.0005  # between threads of this program; Python's default of 5 ms is half a period [s]
 
 
 class Clock:
-    """Seconds since it was made.
+    """Clock that counts the seconds since it was created.
 
     Args:
-        speed: Seconds of the tank per second of the wall clock [-].
+        speed: Seconds in the tank per second of the wall clock [-].
     """
 
     is_real = True
-    """Whether its time goes on by itself, so that a loop may be late."""
+    """Whether its time advances by itself, so that a loop may be late."""
 
     def __init__(self, *, speed: float = 1.0) -> None:
         self.speed = positive("speed", speed)
         self._origin = time.monotonic()
 
     def now(self) -> float:
-        """[s]."""
+        """Return the current time [s]."""
         return (time.monotonic() - self._origin) * self.speed
 
     def wait_until(self, moment: float) -> None:
-        """Sleep until then, if it is still to come.
+        """Sleep until a given time, unless it has already passed.
 
         Args:
-            moment: By this clock [s].
+            moment: Time on this clock [s].
         """
         left = (moment - self.now()) / self.speed
         if left > 0.0:
@@ -134,10 +134,10 @@ class Clock:
 
     @contextmanager
     def undisturbed(self) -> Generator[str]:
-        """Within it no garbage is collected, threads take turns quickly, and all is as urgent as the system allows.
+        """Disable garbage collection, switch threads quickly, and raise priorities as far as the system allows.
 
         Yields:
-            What the system allowed, see `urgent`.
+            What the system allowed; see `urgent`.
         """
         switch, was_on = sys.getswitchinterval(), gc.isenabled()
         gc.collect()
@@ -156,17 +156,17 @@ class Clock:
 
 @contextmanager
 def urgent() -> Generator[str]:
-    """Within it this thread comes before those of all `Worker`, and these before other programs; memory stays in place.
+    """Give this thread priority over those of all `Worker`, and these over other programs; lock memory.
 
-    As far as the system allows: Linux does for root, and for whom `ulimit -r` and `ulimit -l` say so.
+    This is done as far as the system allows: Linux does for root, and for users permitted by `ulimit -r` and `-l`.
 
     Yields:
-        What it allowed, in a sentence.
+        What the system allowed, in a sentence.
     """
     workers = [thread.native_id for thread in threading.enumerate() if thread.name.startswith(NAME)]
     urgency = {**{number: DEVICES for number in workers if number}, threading.get_native_id(): LOOP}
     fixed, real_time = False, False
-    with suppress(AttributeError, OSError, TypeError):  # TypeError: Windows has no library without a name
+    with suppress(AttributeError, OSError, TypeError):  # TypeError: on Windows, a library must have a name
         fixed = ctypes.CDLL(None).mlockall(PRESENT) == 0
     with suppress(AttributeError, OSError):
         for number, priority in urgency.items():

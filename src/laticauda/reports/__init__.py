@@ -1,1 +1,1 @@
-"""Results put together for readers: a report, figures and tables in one folder."""
+"""Results prepared for readers: a report, figures and tables in one folder."""

@@ -1,14 +1,14 @@
-"""A chapter of a report: the tables, figures and trials that go into a folder, and the template that tells of them.
+"""A chapter of a report: the tables, figures and trials that go into a folder, and the template that presents them.
 
-Sentences stand in a Jinja2 template, the values that they speak of come with the chapter. A page extends "page.html"
-and sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
-"parts.html". `templates/identify.html` uses all of it. A package with templates of its own hands them on:
+Sentences are in a Jinja2 template, the values that they contain come with the chapter. A page extends "page.html" and
+sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
+"parts.html". `templates/identify.html` uses all of these. A package with its own templates passes them on:
 
     mine = partial(templates, "my.package")
     chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": rows}, templates=mine)
     files, html = write_chapter(chapter, writable_folder("out"))
 
-Numbers and tables are rounded on a page, and have all digits in a CSV file.
+Numbers and tables are rounded on a page, but have all digits in a CSV file.
 """
 
 import base64
@@ -32,17 +32,17 @@ if TYPE_CHECKING:
     from laticauda.trial import Trial
 
 Row = dict[str, Any]
-"""Of a table, by column; all rows have the columns of the first."""
+"""Row of a table, by column; all rows have the columns of the first."""
 Pictures = Mapping[str, tuple[str, bytes]]
-"""By name of the figure: its caption and the content of its PNG file."""
+"""By name of a figure: its caption and the content of its PNG file."""
 
 
 @cache
 def templates(package: str = "laticauda.reports") -> Any:
-    """What renders a package's templates (Jinja2's): texts are escaped, and a value that is missing is an error.
+    """Return the Jinja2 environment for a package's templates: texts are escaped, and a missing value is an error.
 
     Args:
-        package: Whose folder `templates` has them; "page.html" and "parts.html" are there for all.
+        package: Package whose folder `templates` holds them; "page.html" and "parts.html" are available to all.
 
     Raises:
         MissingExtra: If Jinja2 is not installed.
@@ -71,48 +71,48 @@ def templates(package: str = "laticauda.reports") -> Any:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chapter:
-    """What a study has to say, before anything is written."""
+    """Content of a chapter, before anything is written."""
 
     name: str
-    """Of its template, and of its part of the page."""
+    """Name of its template, and of its part of the page."""
     values: Mapping[str, Any]
-    """What the template speaks of, beside its `tables` and `pictures`."""
+    """Values in the template, in addition to its `tables` and `pictures`."""
     tables: Mapping[str, Sequence[Row]] = field(default_factory=dict[str, Sequence[Row]])
-    """Written as CSV files under their names; None and what is not finite are missing."""
+    """Tables, written as CSV files under their names; None and values that are not finite are missing."""
     n_figures: int = 0
-    """How many figures there are [-]."""
+    """Number of figures [-]."""
     figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
-    """One figure after the other: the name of its files, its caption, and the figure."""
+    """Function that yields the figures one by one: name of the files, caption and figure."""
     trials: "Mapping[str, Trial]" = field(default_factory=dict[str, "Trial"])
-    """Stored as netCDF files under their names."""
+    """Trials, stored as netCDF files under their names."""
     templates: Callable[[], Any] = templates
-    """What renders its template."""
+    """Function that returns the Jinja2 environment for its template."""
 
     def html(self, pictures: Pictures) -> str:
-        """Its part of the page.
+        """Return the chapter's part of the page.
 
         Args:
-            pictures: Its figures, drawn.
+            pictures: Drawn figures of the chapter.
         """
         template = self.templates().get_template(f"{self.name}.html")
         return template.render(self.values, tables=self.tables, pictures=pictures)
 
 
 def writable_folder(folder: str | Path) -> Path:
-    """The folder, made if it does not exist.
+    """Return a writable folder, creating it if it does not exist.
 
     Args:
-        folder: Where a report is to be written.
+        folder: Folder in which a report is to be written.
 
     Raises:
-        ValueError: If it cannot be made, or no file can be written there.
+        ValueError: If it cannot be created, or no file can be written there.
     """
     path = local(folder)
     if path.exists() and not path.is_dir():
         raise BadArgument("folder", f"must be a folder, got the file {folder}")
     try:
         path.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path):  # rights alone do not tell
+        with tempfile.TemporaryFile(dir=path):  # permissions alone do not suffice
             pass
     except OSError as error:
         why = (error.strerror or str(error)).lower()
@@ -126,12 +126,12 @@ def write_chapter(
     """Write a chapter's trials, tables and figures.
 
     Args:
-        chapter: What to write.
-        folder: Where; it exists.
-        drawn: Called after every figure with how many there are so far.
+        chapter: Chapter to write.
+        folder: Existing folder in which to write it.
+        drawn: Called after every figure with the number of figures so far.
 
     Returns:
-        The names of the files, and the chapter's part of the page.
+        Names of the files, and the chapter's part of the page.
     """
     from laticauda.figures import save_figure
 
@@ -151,7 +151,7 @@ def write_chapter(
 
 
 def _for_the_page(path: Path) -> bytes:
-    """A picture in 256 colors, which take a third of the room; its file keeps all."""
+    """Return a picture in 256 colors, which takes a third of the space; its file keeps all colors."""
     from PIL import Image
 
     content = io.BytesIO()
@@ -172,11 +172,11 @@ def _upper_first(text: str) -> str:
 
 
 def in_digits(value: float, form: str = "") -> str:
-    """A number as a page shows it: with a real minus, and what is rounded to zero without a sign.
+    """Format a number for a page: with a true minus sign, and without a sign if it is rounded to zero.
 
     Args:
         value: Any number.
-        form: Of the number, as Python's `format` takes it; "" shows six digits.
+        form: Format of the number, as Python's `format` takes it; "" shows six digits.
     """
     text = format(value, form or "g")
     if not any(digit in text for digit in "123456789"):
@@ -185,11 +185,11 @@ def in_digits(value: float, form: str = "") -> str:
 
 
 def shown(cell: Any, form: str = "") -> str:
-    """A cell of a table as a page shows it.
+    """Format a cell of a table for a page.
 
     Args:
-        cell: A text, a number, a truth, or None; that and what is not finite are shown as NA.
-        form: Of a number, as in `format`.
+        cell: Text, number, truth value or None; None and values that are not finite are shown as NA.
+        form: Format of a number, as Python's `format` takes it.
     """
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
         return "NA"
@@ -198,32 +198,32 @@ def shown(cell: Any, form: str = "") -> str:
 
 
 def is_numeric(rows: Iterable[Row], column: str) -> bool:
-    """Whether a column holds numbers: they end one below the other.
+    """Return whether a column holds numbers, which are right-aligned.
 
     Args:
-        rows: The table.
-        column: Its name.
+        rows: Rows of the table.
+        column: Name of the column.
     """
     known = [row[column] for row in rows if shown(row[column]) != "NA"]
     return bool(known) and not any(isinstance(cell, str | bool | np.bool_) for cell in known)
 
 
 def form_of(column: str, forms: Mapping[str, str]) -> str:
-    """How a column's numbers are shown: the form of the longest key that its name ends with.
+    """Return the format of a column's numbers: that of the longest key with which its name ends.
 
     Args:
-        column: Its name.
-        forms: By the end of a column's name, as in `format`.
+        column: Name of the column.
+        forms: Formats by the end of a column's name, as Python's `format` takes them.
     """
     return max(((len(end), form) for end, form in forms.items() if column.endswith(end)), default=(0, ""))[1]
 
 
 def span(values: Iterable[float], form: str = "") -> str:
-    """From the smallest to the largest of several values.
+    """Format the range from the smallest to the largest of several values.
 
     Args:
-        values: At least one.
-        form: Of the number, as Python's `format` takes it.
+        values: At least one value.
+        form: Format of the numbers, as Python's `format` takes it.
     """
     known = [*values]
     low, high = in_digits(min(known), form), in_digits(max(known), form)
@@ -231,27 +231,27 @@ def span(values: Iterable[float], form: str = "") -> str:
 
 
 def share(part: int, whole: int) -> str:
-    """How many of them: "all 12", "none of the 12", "3 of the 12".
+    """Format a part of a total: "all 12", "none of the 12", "3 of the 12".
 
     Args:
-        part: How many.
-        whole: Of how many.
+        part: Number of items in the part.
+        whole: Total number.
     """
     return f"all {whole}" if part == whole else f"none of the {whole}" if part == 0 else f"{part} of the {whole}"
 
 
 def as_csv(rows: Sequence[Row]) -> str:
-    """The content of a table's CSV file; ten digits hide the noise of the last bits, and missing cells are empty.
+    """Return the content of a table's CSV file; ten digits hide noise in the last bits, and missing cells are empty.
 
     Args:
-        rows: The table.
+        rows: Rows of the table.
     """
     heads = [*rows[0]] if rows else []
     return csv_text([heads, *([_plain(row[head]) for head in heads] for row in rows)], "\n")
 
 
 def _plain(cell: Any) -> Any:
-    """A cell as a CSV file has it."""
+    """Return a cell as it appears in a CSV file."""
     if isinstance(cell, bool | np.bool_):
         return "yes" if cell else "no"
     if not isinstance(cell, float):

@@ -1,6 +1,6 @@
-"""What an optimization leaves for its readers: the front as files, and as a figure with its gaits."""
+"""Results of an optimization for readers: the front as files, and as a figure with its gaits."""
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 import math
@@ -27,34 +27,34 @@ Points = Float[np.ndarray, "n_corners 2"]
 
 N_MARKS = 5
 SYMBOLS = {"amplitude": "$\\alpha$", "frequency": "$\\omega$", "phase shift": "$\\delta$", "n links": "$n$"}
-MOST = 34  # characters in a line below a body
-# By gait, told apart by the marks' shape too.
+MOST = 34  # characters per line below a body
+# By gait, distinguished by the shape of the marks as well.
 KINDS = ((style.BLUE, "o"), (style.ORANGE, "s"))
 DOT = 4.0  # size of a marked point [pt]
-LETTER: Any = {"fontsize": 6.5, "color": "white", "ha": "center", "va": "center"}  # beside it
-AWAY = 8.0  # from the point to its letter, to either side [pt]
+LETTER: Any = {"fontsize": 6.5, "color": "white", "ha": "center", "va": "center"}  # next to the point
+AWAY = 8.0  # distance from the point to its letter, in either direction [pt]
 OTHER: Any = {"linestyle": "", "marker": "D", "markersize": 4.0, "markerfacecolor": "white"}
 SHEET_HEIGHT = 3.9  # [in]
-LINE_HEIGHT = 0.11  # of what stands below a body, beyond its first line [in]
+LINE_HEIGHT = 0.11  # height of a line of text below a body, after the first line [in]
 COLUMN = 1.75  # width of a column of bodies [in]
-LEFT = 0.04  # for letters beside the first point, as a share of the axis
-ROOM = 1.06  # beyond the farthest point
-GAP = 0.12  # between two bodies, in lengths of the longest
-THICK = 0.15  # of a body and the room around it, likewise
-TEXT = 0.1  # height of a line of text, likewise
+LEFT = 0.04  # space for letters next to the first point, as a fraction of the axis
+ROOM = 1.06  # end of the axis, as a multiple of the farthest point
+GAP = 0.12  # between two bodies, as a multiple of the longest length
+THICK = 0.15  # thickness of a body and the space around it, as a multiple of the longest length
+TEXT = 0.1  # height of a line of text, as a multiple of the longest length
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 _TEXT: Any = {"fontsize": style.TICK - 1.0, "ha": "left"}
 
 
 def write_front_figure(fronts: Sequence[Front], folder: str | Path) -> list[Path]:
-    """Write front.png and front.pdf; nothing if there is no front between two objectives.
+    """Write front.png and front.pdf, or nothing if there is no front between two objectives.
 
     Args:
-        fronts: One or two with the same two objectives; those without points are left out.
-        folder: An existing one.
+        fronts: One or two fronts with the same two objectives; those without points are left out.
+        folder: Existing folder.
 
     Returns:
-        The files.
+        Paths of the files.
     """
     drawn = [front for front in fronts if len(front) > 1]
     if not drawn:
@@ -65,10 +65,10 @@ def write_front_figure(fronts: Sequence[Front], folder: str | Path) -> list[Path
 
 
 def front_figure(fronts: Sequence[Front]) -> Figure:
-    """The fronts, and some of their gaits beside the measured ones for this robot and kind of gait.
+    """Draw the fronts and some of their gaits, with the measured gaits for this robot and kind of gait.
 
     Args:
-        fronts: One or two with the same two objectives.
+        fronts: One or two fronts with the same two objectives.
     """
     sought = fronts[0].optimization
     first, last = map(_words, sought.objectives)
@@ -89,10 +89,10 @@ def front_figure(fronts: Sequence[Front]) -> Figure:
 
 
 def marked(front: Front) -> list[int]:
-    """The points whose gaits are drawn, without the slowest end: nobody swims there, and all fronts meet there.
+    """Return the points whose gaits are drawn, without the slowest end, where nobody swims and all fronts meet.
 
     Args:
-        front: What `optimize` returned.
+        front: Result of `optimize`.
     """
     return front.spread(N_MARKS + 1)[1:]
 
@@ -104,10 +104,10 @@ def _waters(fronts: Sequence[Front]) -> str:
 
 
 def measured_points(front: Front) -> np.ndarray:
-    """What the measured gaits of this kind come to with this robot, a row each: last objective, first one.
+    """Return the objectives of the measured gaits of this kind with this robot, by row: last objective, first one.
 
     Args:
-        front: What `optimize` returned.
+        front: Result of `optimize`.
     """
     base = front.optimization.scenario
     gaits = [trial.gait for trial in _measured(front)]
@@ -120,14 +120,14 @@ def measured_points(front: Front) -> np.ndarray:
 
 
 def _measured(front: Front) -> list[MeasuredTrial]:
-    """The published trials of this robot with this kind of gait."""
+    """Return the published trials of this robot with this kind of gait."""
     base = front.optimization.scenario
     wanted = base.gait.kind, base.robot.name
     return [trial for one in all_measured() for trial in one.trials() if (trial.gait.kind, trial.robot) == wanted]
 
 
 def _numbers(front: Front, i: int) -> str:
-    """What the parameters of a point are, in a line or more."""
+    """Return the parameters of a point as text, in one or more lines."""
     known = parameters(front.optimization.scenario)
     words: list[tuple[str, str]] = []
     for name, value in zip(front.optimization.names, front.values[i], strict=True):
@@ -154,11 +154,11 @@ def _words(name: str) -> str:
 
 
 def front(fronts: Sequence[Front], ax: Axes) -> Axes:
-    """One front or two, with letters at the marked points, and the measured gaits beside them.
+    """Draw one or two fronts, with letters at the marked points, together with the measured gaits.
 
     Args:
-        fronts: With the same two objectives.
-        ax: Where to draw.
+        fronts: Fronts with the same two objectives.
+        ax: Axes to draw on.
     """
     letters, curves, others = iter(LETTERS), [_curve(one) for one in fronts], [measured_points(one) for one in fronts]
     for one, (x, y), points, (color, shape) in zip(fronts, curves, others, KINDS, strict=False):
@@ -184,13 +184,13 @@ def front(fronts: Sequence[Front], ax: Axes) -> Axes:
 
 
 def _curve(front: Front) -> Curve:
-    """The last objective of every point, in rising order, and the first one."""
+    """Return the last objective of every point, in ascending order, and the first one."""
     y, x = (front.figures[name] for name in front.optimization.objectives)
     return x, y
 
 
 def _side(curve: Curve, curves: Sequence[Curve]) -> tuple[int, int]:
-    """The direction off a front: where better points would be, or worse ones if another front lies there."""
+    """Return the direction away from a front: towards better points, or worse ones if another front lies there."""
     x, y = curve
     rises = (float(y[-1]) - float(y[0])) >= 0.0
     better = (-1, 1) if rises else (-1, -1)
@@ -204,14 +204,14 @@ def _side(curve: Curve, curves: Sequence[Curve]) -> tuple[int, int]:
 
 
 def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: str, ax: Axes) -> Axes:
-    """The marked bodies one below the other on one scale, each in the middle of its wave, with its numbers.
+    """Draw the marked bodies one below the other on one scale, each in the middle of its wave, with its parameters.
 
     Args:
-        front: Whose marked points are drawn.
-        texts: What stands below each body.
-        letters: Those of the points come next.
-        color: Of the letters.
-        ax: Where to draw.
+        front: Front whose marked points are drawn.
+        texts: Text below each body.
+        letters: Iterator whose next letters are those of the points.
+        color: Color of the letters.
+        ax: Axes to draw on.
     """
     swims = [front.scenario(i) for i in marked(front)]
     shapes = [_shape(one.robot, one.gait) for one in swims]
@@ -234,7 +234,7 @@ def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: st
 
 
 def _shape(robot: lc.Robot, gait: lc.Gait) -> Points:
-    """Trailing edge and link ends of a body in its gait, along x on the whole, at the moment when it is straightest."""
+    """Return trailing edge and link ends of a body in its gait, on average along x, when it is straightest."""
     body = robot.planar()
     envelope = np.array(gait.joint_envelope(body.n_links))
     wave = gait.phase_shift * np.arange(envelope.size)

@@ -1,4 +1,4 @@
-"""An identification for readers: identify.html, the parameter file, figures, tables and fit.json in one folder."""
+"""Results of an identification: identify.html, the parameter file, figures, tables and fit.json in one folder."""
 
 import hashlib
 import math
@@ -16,16 +16,16 @@ from laticauda.identify.validation import Validation
 from laticauda.reports import chapter
 from laticauda.reports.chapter import Row
 
-_PART = 0.3  # of a direction that is in the parameters, and not in where trials began
+_PART = 0.3  # least weight of the parameters, as opposed to initial conditions, in a direction that is listed
 
 
 def write_identification(done: Validation, folder: str | Path, *, command: str = "") -> list[str]:
     """Write parameters.toml, fit.json, tables, figures and identify.html.
 
     Args:
-        done: What was found.
-        folder: Made if it does not exist; files of the same names are replaced.
-        command: What made it, for the report; "" if it was no command.
+        done: Validated result of the identification.
+        folder: Output folder, created if it does not exist; files of the same names are replaced.
+        command: Command that made it, for the report; "" if it was not a command.
 
     Returns:
         Names of the files, the report first.
@@ -43,11 +43,11 @@ def write_identification(done: Validation, folder: str | Path, *, command: str =
 
 
 def identification_chapter(done: Validation, command: str = "") -> chapter.Chapter:
-    """The whole page, with its tables and figures.
+    """Return the whole page, with its tables and figures.
 
     Args:
-        done: What was found.
-        command: What made it; "" if it was no command.
+        done: Validated result of the identification.
+        command: Command that made it; "" if it was not a command.
     """
     from laticauda.reports.identify_figures import figures_of
 
@@ -56,11 +56,11 @@ def identification_chapter(done: Validation, command: str = "") -> chapter.Chapt
 
 
 def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
-    """Everything that was found, as JSON has it, in SI units.
+    """Return all results in the form of JSON, in SI units.
 
     Args:
-        done: What was found.
-        command: What made it.
+        done: Validated result of the identification.
+        command: Command that made it.
     """
     found = done.found
     facts: dict[str, Any] = {
@@ -104,10 +104,10 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
 
 
 def sources_of(task: Task) -> dict[str, str]:
-    """The files that a task was read from, each with the begin of its SHA-256.
+    """Return the files from which a task was read, each with the beginning of its SHA-256.
 
     Args:
-        task: What was asked for.
+        task: Task of the identification.
     """
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in task.sources}
 
@@ -116,10 +116,10 @@ def sources_of(task: Task) -> dict[str, str]:
 
 
 def identification_tables(done: Validation) -> dict[str, list[Row]]:
-    """All of them by name; what is not there has no table.
+    """Return all tables by name, without empty ones.
 
     Args:
-        done: What was found.
+        done: Validated result of the identification.
     """
     rows = {
         "parameters": _parameters(done),
@@ -135,7 +135,7 @@ def identification_tables(done: Validation) -> dict[str, list[Row]]:
 
 
 def _parameters(done: Validation) -> list[Row]:
-    """Values, uncertainties and what is to be known about them."""
+    """Return the values of parameters, their uncertainties, and notes on them."""
     found = done.found
     rows: list[Row] = []
     for k in found.problem.of_interest:
@@ -163,13 +163,13 @@ def _end(value: float) -> str:
 
 
 def _began(done: Validation) -> list[Row]:
-    """Where single trials began, as far as it was identified."""
+    """Return the initial conditions of individual trials that were identified."""
     shown = done.found.problem.of_interest
     return [_value_of(one) for k, one in enumerate(done.found.estimates) if k not in shown]
 
 
 def _directions(done: Validation) -> list[Row]:
-    """What the measurements see of combinations."""
+    """Return how well the measurements determine combinations of parameters."""
     shown = done.found.problem.of_interest
     return [
         {"combination": one.name.replace("`", ""), "standard deviation [-]": one.sigma, "seen": one.is_seen}
@@ -179,7 +179,7 @@ def _directions(done: Validation) -> list[Row]:
 
 
 def _residuals(done: Validation) -> list[Row]:
-    """Every measurement beside its prediction, by this fit and by the others."""
+    """Return every measurement with its prediction by this fit, and by the other measurements."""
     problem, rows = done.found.problem, list[Row]()
     for row, place in zip(done.found.residuals, problem.places, strict=True):
         without = None if place.is_series else float(done.left_out[place.at.start])
@@ -189,7 +189,7 @@ def _residuals(done: Validation) -> list[Row]:
 
 
 def _groups(done: Validation) -> list[Row]:
-    """Errors by group."""
+    """Return the errors by group."""
     rows: list[Row] = []
     residuals = done.found.residuals
     for group, what in dict.fromkeys((group, row["what"]) for group in done.found.problem.groups for row in residuals):
@@ -205,10 +205,10 @@ def _groups(done: Validation) -> list[Row]:
 
 
 def errors_of(every: Mapping[str, Validation]) -> list[Row]:
-    """Mean errors of the speeds, fitted and left out, of fits to the same measurements, beside null models.
+    """Return mean errors of the speeds, fitted and left out, of fits to the same measurements and of null models.
 
     Args:
-        every: At least one, by what the table calls it.
+        every: At least one fit, by its name in the table.
     """
     models: list[tuple[Any, ...]] = []
     for name, done in every.items():
@@ -222,7 +222,7 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
 
 
 def _starts(done: Validation) -> list[Row]:
-    """Where every search began and ended."""
+    """Return where every search began and ended."""
     problem = done.found.problem
     return [
         {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
@@ -236,7 +236,7 @@ def _starts(done: Validation) -> list[Row]:
 
 
 def _correlations(done: Validation) -> list[Row]:
-    """The matrix."""
+    """Return the correlation matrix."""
     names = done.found.problem.names
     rows = zip(names, done.found.correlations.tolist(), strict=True)
     return [{"parameter": name} | dict(zip(names, row, strict=True)) for name, row in rows]

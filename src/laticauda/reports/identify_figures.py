@@ -1,9 +1,9 @@
-"""An identification in pictures, those of its report: predicted over measured, residuals, intervals, correlations.
+"""Figures of the report on an identification: predicted over measured, residuals, intervals, correlations.
 
-And what further trials add. A function without an underscore takes data and axes, and returns the axes.
+Also the benefit of further trials. A function without an underscore takes data and axes, and returns the axes.
 """
 
-# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,17 +26,17 @@ _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
 _MOST_BARS = 60
 
 MARKS = tuple(zip((style.BLUE, style.ORANGE, style.AMBER, style.INK, style.GRAY), "osD^v", strict=True))
-"""By group, color and marker; they repeat."""
+"""Color and marker by group; they repeat."""
 
 Ends = Float[np.ndarray, "2"]
-"""Of an interval; nan where it is open."""
+"""Ends of an interval; nan where it is open."""
 
 
 def figures_of(done: Validation) -> Iterator[tuple[str, str, Figure]]:
-    """Name, caption and figure, one after the other.
+    """Yield the figures one by one: name, caption and figure.
 
     Args:
-        done: What was found.
+        done: Validated result of the identification.
     """
     found = done.found
     yield "parity", "Predicted over measured, by group. Line: equal.", _parity(found)
@@ -51,10 +51,10 @@ def figures_of(done: Validation) -> Iterator[tuple[str, str, Figure]]:
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Names as figures show them: without the way to the number, where that leaves them different.
+    """Return names as shown in figures: without the path to the parameter, if that leaves them distinct.
 
     Args:
-        names: In full.
+        names: Full names.
     """
     short = [_short(name) for name in names]
     return [one if short.count(one) == 1 else name for one, name in zip(short, names, strict=True)]
@@ -69,7 +69,7 @@ def _short(name: str) -> str:
 
 
 def _parity(found: Fit) -> Figure:
-    """A panel per figure or series."""
+    """Draw one panel per figure or series."""
     parts = _by_what(found)
     n = min(len(parts), 3)
     rows = -(-len(parts) // n)
@@ -90,7 +90,7 @@ def _parity(found: Fit) -> Figure:
 
 
 def _by_what(found: Fit) -> dict[str, dict[str, np.ndarray]]:
-    """Measured and predicted numbers by figure or series, then by group."""
+    """Return measured and predicted numbers by figure or series, then by group."""
     pieces: dict[str, dict[str, np.ndarray]] = {}
     for place in found.problem.places:
         group, name, here = found.problem.groups[place.owner], place.what, place.at
@@ -147,12 +147,12 @@ def _correlations(found: Fit) -> Figure:
 
 
 def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: str) -> Axes:
-    """Predicted over measured numbers, with the line of equality and a band of 10 % about it.
+    """Draw predicted over measured numbers, with the line of equality and a band of 10 % about it.
 
     Args:
-        groups: By what the legend says, the measured numbers and the predicted ones, in the unit of the axes.
-        ax: Where to draw.
-        what: The quantity with its unit, for both labels.
+        groups: By legend label, the measured numbers and the predicted ones, in the unit of the axes.
+        ax: Axes to draw on.
+        what: Quantity with its unit, for both labels.
 
     Returns:
         `ax`.
@@ -176,14 +176,14 @@ def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: st
 
 
 def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str) -> Axes:
-    """A bar per measurement: how far the prediction is off, colored by group.
+    """Draw the error of the prediction as one bar per measurement, colored by group.
 
     Args:
-        names: By bar.
-        in_sigmas: By bar, its length.
-        groups: By bar.
-        ax: Where to draw.
-        label: Of the axis.
+        names: Name of each bar.
+        in_sigmas: Length of each bar.
+        groups: Group of each bar.
+        ax: Axes to draw on.
+        label: Label of the axis.
 
     Returns:
         `ax`.
@@ -204,12 +204,12 @@ def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence
 
 
 def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axes) -> Axes:
-    """Correlations of parameters as a matrix of numbers, without the diagonal; a dash for what is not identified.
+    """Draw correlations of parameters as a matrix of numbers, without the diagonal; a dash means not identified.
 
     Args:
-        names: Of the parameters.
-        matrix: Theirs; nan for what is not identified.
-        ax: Where to draw.
+        names: Names of the parameters.
+        matrix: Their correlations; nan for parameters that are not identified.
+        ax: Axes to draw on.
 
     Returns:
         `ax`.
@@ -233,13 +233,13 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
 
 
 def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, confidence: float) -> Axes:
-    """Confidence intervals of parameters, as shares of their values.
+    """Draw confidence intervals of parameters, relative to their values.
 
     Args:
         rows: By parameter, from the top: the interval from the covariance, None if it is not identified, and that from
             the likelihood itself, None if it was not computed [-].
-        ax: Where to draw.
-        confidence: Of the intervals [-].
+        ax: Axes to draw on.
+        confidence: Confidence level of the intervals [-].
 
     Returns:
         `ax`.
@@ -269,14 +269,14 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
 def shrinking(
     labels: Sequence[str], sigma: Float[np.ndarray, "n_steps n_parameters"], ax: Axes, *, ylabel: str, limit: float
 ) -> Axes:
-    """Expected standard deviations over the number of further trials.
+    """Draw expected standard deviations over the number of further trials.
 
     Args:
-        labels: Of the parameters.
-        sigma: A row per number of trials, from none on; inf where nothing is known [-].
-        ax: Where to draw.
-        ylabel: Of the axis.
-        limit: Above it a parameter counts as not identified [-].
+        labels: Labels of the parameters.
+        sigma: Standard deviations, one row per number of trials, from zero; inf where nothing is known [-].
+        ax: Axes to draw on.
+        ylabel: Label of the axis.
+        limit: Limit above which a parameter counts as not identified [-].
 
     Returns:
         `ax`.
@@ -284,7 +284,7 @@ def shrinking(
     n = np.arange(len(sigma))
     finite = sigma[np.isfinite(sigma)]
     top = 3.0 * min(float(np.max(finite, initial=limit)), 10.0 * limit)
-    looks = zip(cycle(MARKS), cycle(style.LINES), strict=False)  # lines may lie on each other
+    looks = zip(cycle(MARKS), cycle(style.LINES), strict=False)  # lines may coincide
     for label, mine, ((color, marker), (_, dashes)) in zip(labels, sigma.T, looks, strict=False):
         style_of = {"color": color, "marker": marker, "markersize": 4.0, "linewidth": style.LINE}
         ax.semilogy(n, np.minimum(mine, top), linestyle=dashes, label=label, **style_of)

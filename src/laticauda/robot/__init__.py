@@ -1,4 +1,4 @@
-"""What swims and where: robots, water and ground as validated data, their TOML files, and the presets."""
+"""Robots, water and ground as validated data, their TOML files, and the presets."""
 
 from laticauda.packaging import lazy_exports
 from laticauda.robot.body import Actuator as Actuator, Joint as Joint, Module as Module, Section as Section

@@ -1,6 +1,6 @@
-"""The body: rigid modules with their cross-sections, the joints between them with the actuators that drive them.
+"""Body of a robot: rigid modules with their cross-sections, and the joints between them with their actuators.
 
-The planar reduction makes modules that only bend out of the swimming plane one rigid link.
+The planar reduction merges modules that only bend out of the swimming plane into one rigid link.
 """
 
 import math
@@ -14,18 +14,18 @@ from laticauda.quantities import option, quantity, value
 
 @value
 class Actuator:
-    """What turns a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
+    """Actuator of a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
 
-    The servo's defaults are those of the Hitec HSR-5990TG, the servo of Mamba's joints, at 7.4 V. Hitec's figures, as a
-    table of its robot servos from 2007 has them [1]: 24 / 30 kg cm and 0.17 / 0.14 s per 60 deg at 6.0 / 7.4 V, hence
-    30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They hold at the output shaft, so the gear's losses at
-    stall and at full speed are in them already, and the friction given here comes on top of them: 0 by default.
+    The servo's defaults are those of the Hitec HSR-5990TG, the servo of Mamba's joints, at 7.4 V. Hitec's figures, from
+    a 2007 table of its robot servos [1], are 24 / 30 kg cm and 0.17 / 0.14 s per 60 deg at 6.0 / 7.4 V, hence
+    30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They apply at the output shaft, so they already include the
+    gear's losses at stall and at full speed; the friction given here is added to them and is 0 by default.
 
-    Of a robot whose motors are not known, `stated` is false: the numbers here are then Mamba's, and no run of the robot
-    is judged by them (`Trial.feasibility`).
+    For a robot whose motors are not known, `stated` is false: the numbers are then Mamba's, and no run of the robot is
+    judged by them (`Trial.feasibility`).
 
-    `tracking` says how much of its reference a joint does that is `prescribed`, the offset not counted: joints under
-    `pd` control or with `servo`s lose amplitude by themselves and do not look at it.
+    `tracking` is the fraction of its reference, without the offset, that a `prescribed` joint reaches. Joints under
+    `pd` control or with `servo`s lose amplitude by themselves and ignore it.
 
     Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across the motor of the
     sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 % efficient. `servo_gain` is an
@@ -62,12 +62,12 @@ class Actuator:
 
 @value
 class Joint:
-    """A driven hinge between two modules, with the skin that keeps the water out.
+    """Driven hinge between two modules, with the skin that keeps the water out.
 
-    Its limit is by default the servo's travel.
+    The default limit is the servo's travel.
     """
 
-    counted = ("axis",)  # keys that may be lists in an entry of a file with a `count`
+    counted = ("axis",)  # keys that may be lists in a file entry with a `count`
     axis: Literal["yaw", "pitch"] = option("`yaw` bends the body in the plane, `pitch` out of it", default="yaw")
     limit: float = quantity("rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0)
     actuator: Actuator = option("What drives it", default_factory=Actuator)
@@ -85,12 +85,12 @@ class Section:
 
     @property
     def area(self) -> float:
-        """Area pi a b, of a box 4 a b [m^2]."""
+        """Area: pi a b for an ellipse, 4 a b for a box [m^2]."""
         return (math.pi if self.shape == "ellipse" else 4.0) * self.half_height * self.half_width
 
     @property
     def perimeter(self) -> float:
-        """Circumference, of an ellipse by Ramanujan's first approximation [m]."""
+        """Circumference; for an ellipse, by Ramanujan's first approximation [m]."""
         a, b = self.half_height, self.half_width
         if self.shape == "box":
             return 4.0 * (a + b)
@@ -99,12 +99,12 @@ class Section:
 
 @value
 class Module:
-    """One rigid piece of the body, of constant cross-section.
+    """Rigid piece of the body with constant cross-section.
 
-    A fluid coefficient that is None is the water's; a number overrides the water's on this module only.
+    A fluid coefficient of None means the water's; a number overrides the water's on this module only.
     """
 
-    counted = ()  # keys that may be lists in an entry of a file with a `count`
+    counted = ()  # keys that may be lists in a file entry with a `count`
     length: float = quantity("m", "Whole length 2l", gt=0.0, le=100.0)
     mass: float = quantity("kg", "Mass m", gt=0.0)
     section: Section = option("Cross-section")
@@ -138,22 +138,22 @@ class Module:
 
 @dataclass(frozen=True, kw_only=True)
 class Reduction:
-    """Which modules became which link, and where they sit in it."""
+    """Assignment of modules to links, and their positions in the links."""
 
     modules: tuple[Module, ...]
-    """The links, tail first."""
+    """Links, tail first."""
     link: tuple[int, ...]
-    """For each old module the link that it is part of [-]."""
+    """For each original module, the link that it is part of [-]."""
     shift: tuple[float, ...]
-    """For each old module the position of its middle in the link, from the link's middle [m]."""
+    """For each original module, the position of its middle relative to the middle of the link [m]."""
 
 
 def reduce_to_plane(modules: Sequence[Module], joints: Sequence[Joint]) -> Reduction:
-    """Merge modules that are joined by pitch joints; these are held at 0.
+    """Merge modules joined by pitch joints, which are held at 0.
 
     Raises:
         ValueError: If modules to be merged differ in section or fluid coefficients. No single section has the drag and
-            the added mass of two different ones, so there is nothing right to put in their place.
+            the added mass of two different ones, so no correct replacement exists.
     """
     groups: list[list[int]] = [[0]]
     for i, joint in enumerate(joints, start=1):
@@ -182,7 +182,7 @@ def _check_alike(modules: Sequence[Module], first: int, other: int) -> None:
 
 
 def _merge(pieces: Sequence[Module]) -> tuple[Module, list[float]]:
-    """One rigid module in place of `pieces` in a row, and where their middles lie in it [m]."""
+    """Merge consecutive `pieces` into one rigid module, and return it with the positions of their middles in it [m]."""
     if len(pieces) == 1:
         return pieces[0], [0.0]
     first = pieces[0]

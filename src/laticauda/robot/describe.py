@@ -1,4 +1,4 @@
-"""Robots, waters, grounds and currents as text to read: what their declared fields hold."""
+"""Robots, waters, grounds and currents as readable text: the contents of their declared fields."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,10 +16,10 @@ T = TypeVar("T")
 
 
 def summary(robot: Robot) -> dict[str, str | int | float | bool]:
-    """The main facts of `robot` by name: links, joints, length [m], mass [kg], fin, description.
+    """Return the main facts about `robot` by name: links, joints, length [m], mass [kg], fin, description.
 
     Args:
-        robot: What is told of.
+        robot: Robot to summarize.
     """
     return {
         "name": robot.name,
@@ -33,10 +33,10 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
 
 
 def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> str:
-    """All that is known of `thing`, a robot, a water, a ground or a flow: one fact a line, like facts aligned.
+    """Describe `thing`, a robot, water, ground or flow, in full: one fact per line, aligned.
 
     Args:
-        thing: A robot, a water, a ground or a flow.
+        thing: A robot, water, ground or flow.
     """
     if isinstance(thing, Robot):
         rows = [*_robot_rows(thing)]
@@ -51,10 +51,10 @@ def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> st
 
 
 def coefficients(thing: environment.Environment) -> dict[str, str]:
-    """What a water or a ground holds besides its name, in words by field.
+    """Return the fields of a water or ground other than its name, as text by field.
 
     Args:
-        thing: A water or a ground.
+        thing: A water or ground.
     """
     if isinstance(thing, environment.Water):
         depth = "far below the surface" if thing.depth is None else f"{thing.depth:g} m"
@@ -65,10 +65,10 @@ def coefficients(thing: environment.Environment) -> dict[str, str]:
 
 
 def in_a_line(facts: dict[str, str]) -> str:
-    """Facts one after the other, each with its name.
+    """Join facts in one line, each with its name.
 
     Args:
-        facts: Of `laticauda.quantities.told`.
+        facts: Facts from `laticauda.quantities.told`.
     """
     return ", ".join(f"{name} {text}" for name, text in facts.items())
 
@@ -121,7 +121,7 @@ def _axes(joints: Sequence[body.Joint]) -> str:
 
 
 def _runs(things: Sequence[T]) -> list[tuple[str, T]]:
-    """Things that come several times in a row, once each, with their numbers: "0-8"."""
+    """Group equal consecutive things: each once, with its range of indices, such as "0-8"."""
     runs: list[tuple[str, T]] = []
     start = 0
     for thing, group in groupby(things):

@@ -1,16 +1,16 @@
-"""What a robot carries besides its body: caudal fin, thrusters, pectoral fins, and the tether it drags.
+"""Parts of a robot besides its body: caudal fin, thrusters, pectoral fins, and the tether it drags.
 
 Links are counted from the tail, starting at 0, here and in the files.
 
-Where the hinges go that stand for the bending of a fin, and how stiff they are: a plate that is clamped at its root
-and free at its end stores the energy of its bending moment M,
+Hinges represent the bending of a fin. Their positions and stiffnesses follow from the bending energy: a plate that is
+clamped at its root and free at its end stores, with the bending moment M,
 
     U = integral of M(s)^2 / (2 E I) ds,        s = 0 at the root, 1 at the free end.
 
 Rigid pieces with a hinge at each s_j store sum of M(s_j)^2 D_j / (2 E I) if hinge j has the stiffness E I / D_j: they
-stand for the plate as a quadrature rule stands for the integral. At a free end neither moment nor shear force is left,
-so M goes as (1 - s)^2 there whatever the load, and the integrand as (1 - s)^4. The rule for that is the Gauss-Jacobi
-rule of weight (1 - s)^4: exact for (1 - s)^4 times any polynomial up to degree 2 m - 1, with m hinges.
+approximate the plate as a quadrature rule approximates the integral. At a free end, moment and shear force vanish, so M
+behaves as (1 - s)^2 there for any load, and the integrand as (1 - s)^4. The matching rule is the Gauss-Jacobi rule of
+weight (1 - s)^4: exact for (1 - s)^4 times any polynomial up to degree 2 m - 1, with m hinges.
 """
 
 from dataclasses import dataclass
@@ -25,17 +25,17 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot.body import Joint
 
 MOST_HINGES = 6
-_FREE_END = 4  # the power of (1 - s)
+_FREE_END = 4  # power of (1 - s)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hinge:
-    """A passive hinge in place of the bending of a part of a plate."""
+    """Passive hinge that represents the bending of a part of a plate."""
 
     position: float
     """Distance from the root [m]."""
     length: float
-    """D, the length of plate whose bending it stands for [m]."""
+    """D, length of the plate whose bending it represents [m]."""
     stiffness: float
     """k = E I / D [N m/rad]."""
     damping: float
@@ -44,29 +44,29 @@ class Hinge:
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """A part of the plate that stays rigid."""
+    """Rigid part of a plate."""
 
     begin: float
     """Distance of its head end from the root [m]."""
     end: float
     """Distance of its tail end from the root [m]."""
     mass: float
-    """[kg]."""
+    """Mass [kg]."""
     hinge: Hinge | None
-    """The passive hinge at its head end; None at the root."""
+    """Passive hinge at its head end; None at the root."""
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length [m]."""
         return self.end - self.begin
 
 
 @lru_cache(maxsize=MOST_HINGES)
 def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
-    """Where n hinges go, and the length that each stands for, as shares of the plate's length, root first.
+    """Return the position of each of n hinges and the length it represents, relative to the plate's, root first.
 
-    Golub and Welsch, Math. Comput. 23, 1969: the nodes are the eigenvalues of a symmetric matrix of the polynomials'
-    recurrence, here of the Jacobi polynomials with the parameters 4 and 0.
+    Golub and Welsch, Math. Comput. 23, 1969: the nodes are the eigenvalues of a symmetric matrix built from the
+    recurrence of the polynomials, here the Jacobi polynomials with the parameters 4 and 0.
 
     Args:
         n: Number of hinges.
@@ -83,13 +83,13 @@ def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
 
 @value
 class CaudalFin:
-    """A flat, thin, upright plate behind the tail end of link 0: rigid, or bending, or driven about its root.
+    """Flat, thin, upright plate behind the tail end of link 0: rigid, flexible, or driven about its root.
 
-    The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient that
-    is None is the water's. The defaults are Mamba's fin, taken as rigid.
+    The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient of
+    None means the water's. The defaults describe Mamba's fin, treated as rigid.
 
-    With `n_hinges` the plate bends: rigid pieces between passive hinges stand for it. With a `joint` it turns about its
-    root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
+    With `n_hinges` the plate bends and is represented by rigid pieces between passive hinges. With a `joint` it turns
+    about its root according to `Gait.fin`. Neither counts as a link or a joint of the body.
     """
 
     length: float = quantity("m", "Length from the root to the rear, opening included", gt=0.0, le=100.0, default=0.5)
@@ -117,7 +117,7 @@ class CaudalFin:
 
     @property
     def hinges(self) -> tuple[Hinge, ...]:
-        """The passive hinges, from the root to the trailing edge; none for a rigid fin."""
+        """Passive hinges, from the root to the trailing edge; none for a rigid fin."""
         rigidity = self.flexural_rigidity
         if not self.n_hinges or rigidity is None:
             return ()
@@ -133,7 +133,7 @@ class CaudalFin:
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The rigid pieces between its hinges, from the root to the trailing edge; one for a rigid fin."""
+        """Rigid pieces between the hinges, from the root to the trailing edge; one for a rigid fin."""
         edges = pairwise((0.0, *(hinge.position for hinge in self.hinges), self.length))
         return tuple(
             Piece(begin=begin, end=end, mass=self.mass * (end - begin) / self.length, hinge=hinge)
@@ -153,9 +153,9 @@ class CaudalFin:
 
 @value
 class Mounted:
-    """What is mounted rigidly on a link. Its axes are the link's, turned about z, then tilted, then rolled about x.
+    """Part mounted rigidly on a link. Its axes are the link's, turned about z, then tilted, then rolled about x.
 
-    The planar model takes a mount above or below the axis for one on it.
+    The planar model treats a mount above or below the link's axis as a mount on the axis.
     """
 
     link: int = quantity("", "Link that carries it, counted from the tail, from 0", ge=0)
@@ -168,13 +168,13 @@ class Mounted:
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """Of the mount, from the middle of the link [m]."""
+        """Position of the mount, from the middle of the link [m]."""
         return self.x, self.y, self.z
 
 
 @value
 class Thruster(Mounted):
-    """A thrust along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
+    """Thruster along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
 
     thrust: float = quantity("N", "Thrust T, where no command says it; negative pushes backward")
     max_thrust: float | None = quantity("N", "Most, to either side, that a command gets", ge=0.0, default=None)
@@ -182,13 +182,13 @@ class Thruster(Mounted):
 
 @value
 class PectoralFin(Mounted):
-    """A flat plate that gives lift and drag, and stalls; its chord is its x axis. Upright, or rolled a dive plane.
+    """Flat plate with lift, drag and stall, its chord along its x axis: upright, or rolled to form a dive plane.
 
-    Lift blends the linear law with that of a flat plate in separated flow, as in Beard and McLain, Small Unmanned
+    The lift blends the linear law with that of a flat plate in separated flow, as in Beard and McLain, Small Unmanned
     Aircraft, Princeton 2012, eqs. (4.9) and (4.10); their Aerosonde has a stall angle of 27 deg and a sharpness of 50.
-    A slender wing theory for the slope: 2 pi R / (R + 2) for the aspect ratio R.
+    A slender-wing theory gives the slope 2 pi R / (R + 2) for the aspect ratio R.
 
-    With a `max_deflection` it is driven by the command (`Command.deflections`).
+    With a `max_deflection` the fin is driven by the command (`Command.deflections`).
     """
 
     area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
@@ -202,7 +202,7 @@ class PectoralFin(Mounted):
 
 @value
 class Tether:
-    """A cable at the tail end: F = -k |v| v plus a constant force."""
+    """Cable at the tail end: F = -k |v| v plus a constant force."""
 
     drag: float = quantity("kg/m", "k, lumped over the cable", ge=0.0, default=0.0)
     force: tuple[float, float] = quantity("N", "Constant force in world axes", default=(0.0, 0.0))

@@ -1,4 +1,4 @@
-"""What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
+"""Environment in or on which a robot moves: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
 import math
 from collections.abc import Callable
@@ -20,9 +20,9 @@ Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 
 @value
 class Water:
-    """Still or moving water, the coefficients of its loads and the form that they take.
+    """Still or moving water, with the coefficients and the form of its loads.
 
-    The coefficients hold for every module and the fin, apart from those that bring their own.
+    The coefficients apply to every module and to the fin, except those with coefficients of their own.
     """
 
     name: str = option("What messages and stored trials call it", default="custom", check=label)
@@ -65,7 +65,7 @@ class Water:
 
     @property
     def flow(self) -> Flow | None:
-        """How it moves, if not everywhere and always the same."""
+        """Flow of the water; None if its velocity is uniform and constant."""
         return self.current if isinstance(self.current, Flow) else None
 
     @property
@@ -75,26 +75,26 @@ class Water:
 
     @property
     def uniform(self) -> tuple[float, float, float]:
-        """Its velocity, if that is everywhere and always the same, else none: a flow has it all [m/s]."""
+        """Velocity of the water if it is uniform and constant; 0 if a flow describes the motion [m/s]."""
         x, y, z = (0.0,) * 3 if isinstance(self.current, Flow) else (*self.current, 0.0)[:3]
         return x, y, z
 
     @property
     def current_words(self) -> str:
-        """What its motion is, for people."""
+        """Motion of the water in words."""
         if isinstance(self.current, Flow):
             return self.current.words
         return f"({', '.join(f'{one:g}' for one in self.current)}) m/s"
 
     def velocity(self, points: Any, t: Any = 0.0) -> np.ndarray:
-        """Velocity of the water at many points.
+        """Return the velocity of the water at many points.
 
         Args:
-            points: In space, or x and y in the plane, which is at `-depth`, or at the surface; world axes [m].
-            t: Since the start of the run, the same for all or one for each [s].
+            points: Points in space, or x and y in the plane at height `-depth`, or at the surface; world axes [m].
+            t: Time since the start of the run, one for all points or one for each [s].
 
         Returns:
-            As many components as the points have [m/s].
+            Velocities with as many components as the points [m/s].
         """
         points = np.asarray(points, dtype=float)
         size = points.shape[-1]
@@ -106,7 +106,7 @@ class Water:
 
 @value
 class Ground:
-    """Flat ground with anisotropic friction: `viscous`, in proportion to the speed, or dry (`coulomb`)."""
+    """Flat ground with anisotropic friction: `viscous`, proportional to the speed, or dry (`coulomb`)."""
 
     name: str = option("What messages and stored trials call it", default="custom", check=label)
     friction: DragLaw = option("The law: `viscous` or `coulomb`")
@@ -120,34 +120,34 @@ Environment: TypeAlias = Water | Ground
 
 @value
 class Scene(Extensible, group="scenes"):
-    """What is around a robot in space: obstacles, walls, terrain. One's own is a class below this one.
+    """Surroundings of a robot in space: obstacles, walls, terrain. Custom scenes subclass this class.
 
-    This one is `open`: nothing but water or flat ground, in which robots meet nothing but each other.
+    This class is the `open` scene: only water or flat ground, where robots can touch only each other.
 
-    World axes: z is up, and 0 the height of the ground, or of the water's surface unless it says otherwise.
+    World axes: z is up, and 0 is the height of the ground or, unless `level` says otherwise, of the water's surface.
     """
 
     called: ClassVar[str] = "open"
     dt: ClassVar[float] = 0.002
-    """Step at which contacts with it are resolved [s]."""
+    """Time step at which contacts with the scene are resolved [s]."""
     wet: ClassVar[bool] = False
-    """Whether it makes no sense without water."""
+    """Whether the scene requires water."""
     level: float = quantity("m", "Height of the water's surface", default=0.0)
     ground: Ground | None = option("How its ground rubs on the robot; left out, as MuJoCo has it", default=None)
 
     def __call__(self, spec: Any) -> None:
-        """Put it into a `mujoco.MjSpec` in which the robots are already."""
+        """Add the scene to a `mujoco.MjSpec` that already contains the robots."""
 
     @property
     def terrain(self) -> Any:
-        """Its ground, as a `laticauda.mujoco_water.Terrain`; None: it brings none of its own."""
+        """Ground of the scene, as a `laticauda.mujoco_water.Terrain`; None if it has no ground of its own."""
         return None
 
     def check(self, environment: "Environment") -> None:
-        """Raise a ValueError if it cannot be in `environment`.
+        """Raise a ValueError if the scene does not go with `environment`.
 
         Args:
-            environment: What the robot is to swim in or crawl on.
+            environment: Environment in which the robot swims or on which it crawls.
         """
         if self.wet and isinstance(environment, Ground):
             word = name_of(type(self))
@@ -155,13 +155,13 @@ class Scene(Extensible, group="scenes"):
 
     @classmethod
     def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
-        """A scene, which may be `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
+        """Return a scene, `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
 
         Args:
-            given: The scene, its name, an MJCF file that ends in .xml, or the function; None is none.
+            given: The scene, its name, an MJCF file that ends in .xml, or the function; None for no scene.
 
         Raises:
-            ValueError: If there is none of that name.
+            ValueError: If there is no scene of that name.
         """
         if given is None or isinstance(given, Scene):
             return given
@@ -173,7 +173,7 @@ class Scene(Extensible, group="scenes"):
 
 
 def law_of(environment: Environment) -> DragLaw:
-    """The law of the loads on one element.
+    """Return the law of the loads on one element.
 
     Args:
         environment: Water or ground.
@@ -182,11 +182,11 @@ def law_of(environment: Environment) -> DragLaw:
 
 
 def check_fits(robot: Robot, environment: Environment) -> None:
-    """Refuse a robot and an environment that are both fine but do not go together.
+    """Reject a robot and an environment that are each valid but do not go together.
 
     Args:
-        robot: What swims.
-        environment: What it swims in.
+        robot: Robot that swims.
+        environment: Environment in which it swims.
 
     Raises:
         ValueError: If the water's depth leaves part of the body or of the fin above the surface.

@@ -1,17 +1,17 @@
 """TOML files of robots, waters, grounds and currents, and the presets that come with laticauda.
 
-A file says first what it is: ``kind = "robot"``, ``"water"``, ``"ground"``, or that of a flow (`laticauda.fluid.flow`),
-which is a current. The other keys are the fields of the class of that name, in the same units (lengths in m, angles in
-rad), and four things keep a file short:
+A file first states its kind: ``kind = "robot"``, ``"water"``, ``"ground"``, or the kind of a flow
+(`laticauda.fluid.flow`), which is a current. The other keys are the fields of the class of that name, in the same units
+(lengths in m, angles in rad). Four features keep a file short:
 
 - an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
 - an entry of ``modules`` or ``joints`` may have a ``count``;
-- the ``axis`` of a joint entry may be a list, which its joints go through again and again: ``count = 18`` and
-  ``axis = ["yaw", "pitch"]`` are 18 joints in turn about the two axes;
+- the ``axis`` of a joint entry may be a list, which its joints cycle through: ``count = 18`` and
+  ``axis = ["yaw", "pitch"]`` give 18 joints about the two axes in turn;
 - ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a
   preset or from another file (a path relative to this one).
 
-The ``current`` of a water may be a preset's name or such a path, too.
+The ``current`` of a water may also be a preset's name or such a path.
 """
 
 from os import sep
@@ -34,12 +34,12 @@ FOLDERS = {word: f"{word}s" for word in (*KINDS, "current", "parameter", "motion
 
 
 class RobotNotFound(RobotFileError, FileNotFoundError):
-    """Neither a preset nor a file has the name that was asked for."""
+    """No preset or file has the requested name."""
 
     __str__ = Exception.__str__  # OSError's own would look for an errno
 
     def __reduce__(self) -> tuple[type["RobotNotFound"], tuple[object, ...]]:
-        """The way between processes; what tools that pickle tracebacks make of two builtin parents does not hold."""
+        """Support pickling between processes; tools that pickle tracebacks fail with two built-in base classes."""
         return type(self), self.args
 
 
@@ -50,7 +50,7 @@ def to_toml(thing: Described) -> str:
         thing: The `Robot`, `Water`, `Ground` or `Flow`.
 
     Returns:
-        The text; ``from_toml(to_toml(thing)) == thing`` holds exactly.
+        The TOML text; ``from_toml(to_toml(thing)) == thing`` holds exactly.
 
     Raises:
         ValueError: If `thing` is none of these.
@@ -71,10 +71,10 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
 
     Args:
         source: The text itself, or a path.
-        kind: `Robot`, `Water`, `Ground` or `Flow`, to refuse anything else; None accepts all of them.
+        kind: `Robot`, `Water`, `Ground` or `Flow`, to reject anything else; None accepts all of them.
 
     Raises:
-        RobotFileError: If anything is wrong with it; the message has the file, the key, the rule and the value.
+        RobotFileError: If the source is invalid; the message names the file, the key, the rule and the value.
     """
     path = source if isinstance(source, Path) else None
     shown = "<text>" if path is None else str(path)
@@ -83,32 +83,32 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
 
 
 def read_table(path: Path) -> Table:
-    """The table in a file.
+    """Read the table in a file.
 
     Raises:
-        RobotFileError: If it cannot be read, or is no TOML.
+        RobotFileError: If the file cannot be read or is not TOML.
     """
     return files.read_toml(path, RobotFileError, missing=RobotNotFound)
 
 
 def preset_names(kind: str) -> tuple[str, ...]:
-    """The names of the presets of a kind, one of `FOLDERS`, sorted."""
+    """Return the sorted names of the presets of a kind, one of `FOLDERS`."""
     return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).glob("*")))
 
 
 def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Path:
-    """The file of a preset, or the file that a path points to.
+    """Return the file of a preset, or the file that a path points to.
 
-    A text with a folder in it or ending in ``.toml`` is a path, any other a preset's name.
+    A text that contains a folder or ends in ``.toml`` is a path; any other text is a preset's name.
 
     Args:
-        name_or_path: What the user gave.
+        name_or_path: Name or path given by the user.
         kind: One of `FOLDERS`.
-        folder: Where relative paths start; None for the working directory.
+        folder: Base of relative paths; None for the working directory.
 
     Raises:
-        ValueError: If it is neither.
-        RobotNotFound: If there is none; the message lists the presets and suggests the nearest.
+        ValueError: If it is neither a name nor a path.
+        RobotNotFound: If it does not exist; the message lists the presets and suggests the nearest.
     """
     if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
@@ -125,7 +125,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     path = folder / given if folder is not None else Path(given)
     try:
         there = path.exists()
-    except (OSError, ValueError):  # an over-long name, a null byte: reading it tells
+    except (OSError, ValueError):  # an over-long name, a null byte: reading reports it
         there = True
     if not there:
         raise RobotNotFound(f"{path if folder else given}: no such file{nearest(path.stem, names)} ({listed})")
@@ -135,7 +135,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
 def _complete(
     table: Table, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
 ) -> tuple[type[Described], Table]:
-    """The class that a file describes, and its keys with those of the file it extends."""
+    """Return the class that a file describes, and its keys with those of the file it extends."""
     with keys_of(shown, RobotFileError):
         is_flow = kind is Flow or (kind is None and table.get("kind") in Flow.names())
         word = take_kind(table, *(Flow.names() if is_flow else KINDS))
@@ -152,7 +152,7 @@ def _complete(
 
 
 def _inherited(base: object, shown: str, path: Path | None, word: str, parents: tuple[Path, ...]) -> Table:
-    """The keys that a file takes from the one it extends, which must be sound by itself."""
+    """Return the keys that a file takes from the file it extends, which must be valid by itself."""
     if not isinstance(base, str):
         raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
     try:
@@ -174,17 +174,17 @@ def _build(kind: type[Described], table: Table, shown: str) -> Described:
 
 
 def robot_names() -> tuple[str, ...]:
-    """The names of the robot presets, sorted."""
+    """Return the sorted names of the robot presets."""
     return preset_names("robot")
 
 
 def water_names() -> tuple[str, ...]:
-    """The names of the water presets, sorted."""
+    """Return the sorted names of the water presets."""
     return preset_names("water")
 
 
 def ground_names() -> tuple[str, ...]:
-    """The names of the ground presets, sorted."""
+    """Return the sorted names of the ground presets."""
     return preset_names("ground")
 
 
@@ -193,11 +193,11 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
 
     Args:
         name_or_path: A preset's name (`robot_names` lists them), or the path of a TOML file.
-        n_links: Number of links to have instead of the file's; only for robots whose modules and joints are all alike.
+        n_links: Number of links instead of the file's; only for robots whose modules and joints are all identical.
 
     Raises:
-        RobotFileError: If there is no such robot (`RobotNotFound`), or its file is wrong.
-        ValueError: If `n_links` cannot be had.
+        RobotFileError: If there is no such robot (`RobotNotFound`), or its file is invalid.
+        ValueError: If the robot cannot have `n_links` links.
 
     Example:
         >>> load_robot("mamba").n_links
@@ -213,11 +213,11 @@ def load_water(name_or_path: str | Path, robot: Robot | None = None) -> environm
     """Load water.
 
     Args:
-        name_or_path: A preset's name (`water_names` lists them), or the path of a TOML file, or ``textbook``.
-        robot: What swims, from whose shape the textbook's water is made.
+        name_or_path: A preset's name (`water_names` lists them), the path of a TOML file, or ``textbook``.
+        robot: Robot whose shape determines the textbook water.
 
     Raises:
-        RobotFileError: If there is no such water (`RobotNotFound`), or its file is wrong.
+        RobotFileError: If there is no such water (`RobotNotFound`), or its file is invalid.
 
     Example:
         >>> load_water("paper-lateral").normal_drag
@@ -235,13 +235,13 @@ def load_ground(name_or_path: str | Path) -> environment.Ground:
         name_or_path: A preset's name (`ground_names` lists them), or the path of a TOML file.
 
     Raises:
-        RobotFileError: If there is no such ground (`RobotNotFound`), or its file is wrong.
+        RobotFileError: If there is no such ground (`RobotNotFound`), or its file is invalid.
     """
     return _load(name_or_path, "ground")
 
 
 def current_names() -> tuple[str, ...]:
-    """The names of the presets of currents, sorted."""
+    """Return the sorted names of the current presets."""
     return preset_names("current")
 
 
@@ -252,21 +252,21 @@ def load_current(name_or_path: str | Path) -> Flow:
         name_or_path: A preset's name (`current_names` lists them), or the path of a TOML file.
 
     Raises:
-        RobotFileError: If there is no such current (`RobotNotFound`), or its file is wrong.
+        RobotFileError: If there is no such current (`RobotNotFound`), or its file is invalid.
     """
     return _load(name_or_path, "current")
 
 
 def current_of(given: Any, folder: Path | None = None) -> Any:
-    """What may stand for a current: the name of a preset or a path as its flow; anything else as it is.
+    """Resolve a current: return the flow of a preset's name or a path, and anything else unchanged.
 
     Args:
-        given: As a file or a caller says it; the name of a flow alone is that with its defaults. In a table, the flows
-            of a sum may be names, too, and a source is a path.
-        folder: Where relative paths start; None for the working directory.
+        given: As given by a file or a caller; the name of a flow alone means that flow with its defaults. In a table,
+            the flows of a sum may also be names, and a source is a path.
+        folder: Base of relative paths; None for the working directory.
 
     Raises:
-        RobotFileError: If there is no such current (`RobotNotFound`), or its file is wrong.
+        RobotFileError: If there is no such current (`RobotNotFound`), or its file is invalid.
     """
     if isinstance(given, list):
         return [current_of(one, folder) for one in cast("list[Any]", given)]
@@ -282,12 +282,12 @@ def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> g
     """Load a recorded motion.
 
     Args:
-        name_or_path: A preset's name, as `amphibot-1`, or the path of a CSV file (`JointAngles.read`).
-        folder: Where relative paths start; None for the working directory.
+        name_or_path: A preset's name, such as `amphibot-1`, or the path of a CSV file (`JointAngles.read`).
+        folder: Base of relative paths; None for the working directory.
 
     Raises:
-        RobotNotFound: If there is none.
-        TrialFileError: If its file is wrong.
+        RobotNotFound: If there is no such motion.
+        TrialFileError: If its file is invalid.
     """
     return gaits.JointAngles.read(find(name_or_path, "motion", folder))
 

@@ -1,23 +1,23 @@
-"""Parameter files: numbers of one's own for water, joints, fin and electronics, for every gait or for one, as TOML.
+"""Parameter files in TOML: custom parameters of water, joints, fin and electronics, for every gait or for one.
 
     kind = "parameters"
     name = "tank-2025"
     title = "our trials in the tank"
     joints = "prescribed"      # the joint law that goes with them: prescribed, pd, servo, speed-servo
 
-    [water]                    # for every gait: the fields of `Water` but its name
+    [water]                    # for every gait: the fields of `Water` except its name
     tangential_friction = 0.3
     normal_drag = 1.75
     added_mass = 1.5
 
-    [actuator]                 # of every joint; likewise [joint], [caudal_fin], [tether] and [robot]
+    [actuator]                 # of every joint; there are also [joint], [caudal_fin], [tether] and [robot]
     tracking = 0.92
 
-    [eel_like.water]           # for this gait: replaces what differs; `lateral_undulation` likewise
+    [eel_like.water]           # for this gait: replaces what differs; same for `lateral_undulation`
     tangential_friction = 0.17
 
-Only `[water]` has to be there. Like the files of robots they are read strictly: what is unknown, missing or out of
-range is refused with its key.
+Only `[water]` is required. Like robot files, parameter files are read strictly: unknown, missing or out-of-range
+entries are rejected with their keys.
 """
 
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ from laticauda.robot.files import find, preset_names, read_table
 from laticauda.robot.robot import Robot
 
 Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
-"""By table, by field: the value that the robot has instead of its own."""
+"""Values that replace the robot's own, by table and field."""
 
 SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
 OF_ROBOT = ("active_power", "electronics_power")
@@ -47,30 +47,30 @@ NAMES = (*SECTIONS, "robot")
 
 
 def read_adjustments(tables: Mapping[str, object], path: str = "") -> dict[str, dict[str, Any]]:
-    """Check tables as a file has them.
+    """Check tables of a file.
 
     Args:
-        tables: By name, one of `NAMES`.
-        path: Where they stand in the file, "" for the top.
+        tables: Tables by name, one of `NAMES`.
+        path: Their position in the file, "" for the top.
 
     Returns:
-        The same with every value as its class keeps it, angles in radians.
+        The same tables, with every value as stored by its class, angles in radians.
 
     Raises:
-        BadKey: If a key is unknown, or its value of the wrong type or out of range.
+        BadKey: If a key is unknown, or its value is of the wrong type or out of range.
     """
     return {name: _read(name, table, f"{path}.{name}" if path else name) for name, table in tables.items()}
 
 
 def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
-    """A robot with other numbers; what it has no part for is left out.
+    """Return a robot with adjusted parameters; those of parts it lacks are ignored.
 
     Args:
-        robot: The robot; without a caudal fin, the numbers of one are not used.
-        adjustments: From `read_adjustments`.
+        robot: The robot; if it has no caudal fin, the parameters of a fin are ignored.
+        adjustments: Adjustments from `read_adjustments`.
 
     Raises:
-        ValueError: If a number does not go with what the robot has.
+        ValueError: If a parameter is inconsistent with the rest of the robot.
     """
     changes: dict[str, Any] = dict(adjustments.get("robot", {}))
     of_joint, of_actuator = adjustments.get("joint", {}), dict(adjustments.get("actuator", {}))
@@ -104,11 +104,11 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
     return {field: getattr(read, field) for field in fields}
 
 
-# ---- the value and its file ------------------------------------------------------------------------------------------
+# ---- parameters and their file ---------------------------------------------------------------------------------------
 
 KIND = "parameters"
 GAITS = kinds()
-"""Kinds of gait that may have numbers of their own."""
+"""Kinds of gait that may have their own parameters."""
 
 
 def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
@@ -128,10 +128,10 @@ def _checked_by_gait(name: str, changes: Mapping[str, Adjustments]) -> dict[str,
 
 @value
 class Parameters:
-    """What a parameter file says: the water, by gait where it differs, and what it changes about a robot.
+    """Contents of a parameter file: the water, by gait where it differs, and changes to a robot.
 
     Raises:
-        ValueError: If a number is unknown or out of its range.
+        ValueError: If a parameter is unknown or out of range.
     """
 
     name: str = option("What files and stored trials call them; the waters are called after them", check=label)
@@ -155,30 +155,30 @@ class Parameters:
         object.__setattr__(self, "every_gait", replace(self.every_gait, name=self.name))
 
     def water(self, gait_kind: str) -> Water:
-        """The water for a kind of gait.
+        """Return the water for a kind of gait.
 
         Args:
-            gait_kind: Its name, as `eel_like`; one without a water of its own has that of every gait.
+            gait_kind: Its name, such as `eel_like`; a gait without its own water uses the water of every gait.
         """
         return self.own.get(gait_kind, self.every_gait)
 
     def robot(self, robot: Robot, gait_kind: str) -> Robot:
-        """A robot with these numbers.
+        """Return a robot with these parameters.
 
         Args:
-            robot: What swims; a table for a fin does nothing to a robot without one.
-            gait_kind: Its name, as `eel_like`.
+            robot: Robot that swims; a table for a fin has no effect on a robot without one.
+            gait_kind: Name of the kind of gait, such as `eel_like`.
 
         Raises:
-            ValueError: If a number does not go with what the robot has.
+            ValueError: If a parameter is inconsistent with the rest of the robot.
         """
         return adjusted(adjusted(robot, self.changes), self.own_changes.get(gait_kind, {}))
 
     def to_toml(self) -> str:
-        """The text of the file that `load_parameters` reads back to equal parameters.
+        """Return the file's text, which `load_parameters` reads back to equal parameters.
 
         Raises:
-            ValueError: If a gait's water has None where that of every gait has a number: TOML cannot say so.
+            ValueError: If a gait's water has None where that of every gait has a number; TOML cannot express this.
         """
         import tomli_w
 
@@ -199,16 +199,16 @@ class Parameters:
         """Write the file.
 
         Args:
-            path: Of the TOML file; one that is there is replaced.
+            path: Path of the TOML file; an existing file is replaced.
 
         Raises:
-            StorageFailed: If it cannot be written.
+            StorageFailed: If the file cannot be written.
         """
         files.write(path, self.to_toml())
 
 
 def parameter_names() -> tuple[str, ...]:
-    """The names of the presets of parameters, sorted."""
+    """Return the sorted names of the parameter presets."""
     return preset_names("parameter")
 
 
@@ -219,10 +219,10 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
         name_or_path: A preset's name (`parameter_names` lists them), or the path of a TOML file.
 
     Returns:
-        The parameters, checked.
+        The checked parameters.
 
     Raises:
-        RobotFileError: If there is no such file (`RobotNotFound`), or anything in it is wrong; the message has the
+        RobotFileError: If there is no such file (`RobotNotFound`), or its contents are invalid; the message names the
             file, the key, the rule and the value.
 
     Example:
@@ -263,7 +263,7 @@ def _parameters(table: codec.Table) -> Parameters:
 
 
 def _differences(own: Any, usual: Any) -> codec.Table:
-    """The fields in which a gait's water, or a law of it, is not the usual one, as a file has them."""
+    """Return, in the form of a file, the fields in which a gait's water, or one of its laws, differs from the usual."""
     table: codec.Table = {}
     for one in fields(own):
         mine, its = getattr(own, one.name), getattr(usual, one.name)

@@ -1,4 +1,4 @@
-"""`Robot`: everything about what swims. Bodies and joints are counted from the tail."""
+"""`Robot`: the complete description of a swimming robot. Modules and joints are counted from the tail."""
 
 import math
 from dataclasses import replace
@@ -15,17 +15,17 @@ from laticauda.robot import body, effectors
 Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)
 MOST_LINKS = 10_000
-"""More are a slip, and would fill the memory."""
+"""Upper limit: more links are assumed to be a mistake and would exhaust the memory."""
 Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
 End: TypeAlias = Literal["faired", "round", "blunt"]
 
 
 @value
 class Robot:
-    """A chain of modules and joints, tail first, with what is mounted on it.
+    """Chain of modules and joints, tail first, with the parts mounted on it.
 
-    For a sweep, use `dataclasses.replace`; every copy is validated anew. With an `active_power`, a trial has an
-    electrical power under any joint law; without one with `servo` joints only, and there it counts as 0.
+    For a sweep, use `dataclasses.replace`; every copy is validated again. With an `active_power`, a trial has an
+    electrical power under any joint law; without it, only with `servo` joints, where it counts as 0.
     """
 
     name: str = option("What messages and stored trials call it", check=label)
@@ -56,17 +56,17 @@ class Robot:
 
     @property
     def words(self) -> str:
-        """Who it is, in a line."""
+        """One-line summary."""
         fin = ", with a caudal fin" if self.caudal_fin else ""
         return f"{self.name}: {self.n_links} links, {self.length:.4g} m, {self.mass:.4g} kg{fin}"
 
     def __repr__(self) -> str:
-        """Its `words`, and not its many numbers."""
+        """Return `words` instead of the many fields."""
         return f"<Robot {self.words}>"
 
     @property
     def n_links(self) -> int:
-        """Number of modules n, the fin not counted."""
+        """Number of modules n, without the fin."""
         return len(self.modules)
 
     @property
@@ -98,26 +98,26 @@ class Robot:
 
     @property
     def driven_joints(self) -> tuple[body.Joint, ...]:
-        """All joints with an actuator: those of the body, tail first, then that of a driven fin."""
+        """All joints with an actuator: those of the body, tail first, then the joint of a driven fin."""
         fin = self.caudal_fin.joint if self.caudal_fin else None
         return self.joints if fin is None else (*self.joints, fin)
 
     @property
     def fin_joints(self) -> range:
-        """The joints about which its fin moves, from the root on: 0 is a driven root, 1 and on are passive hinges."""
+        """Joints about which the fin moves, from the root: 0 is a driven root, 1 and above are passive hinges."""
         fin = self.caudal_fin
         return range(0) if fin is None else range(0 if fin.joint else 1, fin.n_hinges + 1)
 
     @property
     def idle_power(self) -> float:
-        """What the robot draws at rest: electronics and idle actuators [W]."""
+        """Power drawn at rest by electronics and idle actuators [W]."""
         return self.electronics_power + sum(joint.actuator.idle_power for joint in self.driven_joints)
 
     def planar(self) -> "Robot":
-        """The robot as the planar model sees it: pitch joints held at 0, what they join merged to one link.
+        """Return the robot of the planar model: pitch joints are held at 0, and the modules they join are merged.
 
-        Lengths and masses add, moments of inertia add by the parallel-axis theorem, effectors stay where they were on
-        the body, and the idle power stays what it was. A robot without pitch joints comes back as it is.
+        Lengths and masses add, moments of inertia add by the parallel-axis theorem, effectors keep their positions on
+        the body, and the idle power is unchanged. A robot without pitch joints is returned unchanged.
 
         Raises:
             ValueError: If modules that would merge differ in section or fluid coefficients.
@@ -136,14 +136,14 @@ class Robot:
         )
 
     def yaw_joints(self, name: str, values: Numbers) -> Numbers:
-        """Those of the yaw joints, of what there is for every joint.
+        """Select the values of the yaw joints.
 
         Args:
-            name: What `values` are called, for the message.
-            values: One per joint, or per yaw joint; that of a driven fin may follow the former.
+            name: Name of `values` in the error message.
+            values: One value per joint or per yaw joint; after one per joint, the value of a driven fin may follow.
 
         Raises:
-            ValueError: If there are as many as neither.
+            ValueError: If the number of values does not match.
         """
         is_yaw = [joint.axis == "yaw" for joint in self.joints]
         if values.size in (len(is_yaw), len(self.driven_joints)):
@@ -153,13 +153,13 @@ class Robot:
         raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {values.size}")
 
     def with_links(self, n_links: int) -> "Robot":
-        """The same robot with another number of links.
+        """Return the same robot with a different number of links.
 
         Args:
-            n_links: The number of links to have; effectors stay on the links that they are on.
+            n_links: New number of links; effectors stay on their links.
 
         Raises:
-            ValueError: If its modules or its joints are not all alike, or `n_links` is not from 1 to 10 000.
+            ValueError: If the modules or joints are not all identical, or `n_links` is not from 1 to 10 000.
         """
         n = whole("n_links", n_links, 1, MOST_LINKS)
         if n == self.n_links:
@@ -171,16 +171,16 @@ class Robot:
 
 
 def has_power_model(robot: Robot, joints: JointLaw) -> bool:
-    """Whether a run has an electrical power, which `mean_power` then is: with servos, or if the robot says so.
+    """Return whether a run has an electrical power, which is then `mean_power`: with servos or an `active_power`.
 
     Args:
-        robot: What swims; with an `active_power`, it has one under any joint law.
-        joints: How its joints follow their references.
+        robot: Robot that swims; with an `active_power`, it has an electrical power under any joint law.
+        joints: Law by which its joints follow their references.
     """
     return joints.powered or robot.active_power is not None
 
 
 def _moved(effector: Effector, reduction: body.Reduction) -> Effector:
-    """The same effector on the link that its module became part of."""
+    """Return the same effector on the link that its module became part of."""
     old = effector.link
     return replace(effector, link=reduction.link[old], x=effector.x + reduction.shift[old])

@@ -1,12 +1,12 @@
-"""Water for one's own robot, from ruler and scale: coefficients out of tables, each with its interval and its source.
+"""Water for a custom robot from its dimensions: coefficients from tables, each with an interval and a source.
 
-What pulls at a straight robot is an area times rho v^2 / 2: skin friction C_F on the wetted surface, form drag of both
-ends, gaps at the joints. Divided by the area that C_f refers to (`laticauda.hydrodynamics`), that is C_f:
+The resistance of a straight robot is an area times rho v^2 / 2: skin friction C_F on the wetted surface, form drag of
+both ends, gaps at the joints. This area divided by the reference area of C_f (`laticauda.hydrodynamics`) is C_f:
 
     C_f = (C_F S + C_e A + C_g sum A_j) / (sum pi (a + b)/2 2l + 2 h L)      C_F = .075 / (log10 Re - 2)^2
 
-with S the wetted surface, A the largest section, A_j the section at a joint, h and L of the fin, Re by the length.
-Drag and added mass across the body come from tables of sections by their width over their height.
+with S the wetted surface, A the largest section, A_j the section at a joint, h and L of the fin, and Re based on the
+length. Drag and added mass across the body come from tables of sections by their ratio of width to height.
 
 References:
     [1] A. Morrall, 1957 ITTC Model-Ship Correlation Line, National Physical Laboratory, Ship Report 142, 1970: C_F, and
@@ -37,40 +37,40 @@ from laticauda.robot.environment import Water
 from laticauda.robot.robot import Robot, Surface
 
 TEXTBOOK = "textbook"
-"""The name of this water."""
+"""Name of this water."""
 VISCOSITY = 1.14e-6
-"""Kinematic, of fresh water at 15 deg C [m^2/s] [1]."""
+"""Kinematic viscosity of fresh water at 15 deg C [m^2/s] [1]."""
 BODY_LENGTHS = 0.5
-"""Speed that is assumed where none is given [1/s]: C_f changes by 8 % for twice the speed."""
+"""Default speed in body lengths [1/s]: C_f changes by 8 % for twice the speed."""
 
 SEEN = {"swimming": (-0.08, 0.16), "gliding": (-0.15, 0.20), "turning": (-0.01, 0.44), "starting": (-0.29, -0.19)}
-"""Simulated over measured - 1 on AmphiBot: speeds, angle, way. `tendon-fish` with its broad fin misses by far more."""
+"""Simulated / measured - 1 on AmphiBot: speeds, angle, distance. `tendon-fish` with its broad fin is off far more."""
 
 Range = tuple[float, float, float]
-_WRINKLED = 0.010, 0.014  # C_F of a rough plate, and its highest in the chart [6]
-_SKINNED = 10.0  # Mamba, in skin and on a tether, has ten times the drag of the tables
+_WRINKLED = 0.010, 0.014  # C_F of a rough plate, and its largest value in the chart [6]
+_SKINNED = 10.0  # Mamba, in a skin and on a tether, has ten times the drag of the tables
 _TOLD: Any = read_toml(Path(__file__).with_suffix(".toml"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Textbook:
-    """A water from tables, and how sure each of its numbers is."""
+    """Water from tables, with the uncertainty of each parameter."""
 
     water: Water
-    """With the numbers in the middle."""
+    """Water with the central values."""
     intervals: Mapping[str, tuple[float, float]]
-    """By name, as `laticauda.simulate.parameters` has it: the least and the most that a number may be."""
+    """Least and greatest value of each parameter, by its name in `laticauda.simulate.parameters`."""
     sources: Mapping[str, str]
-    """By name: where it is from."""
+    """Source of each parameter, by name."""
 
 
 def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface | None = None) -> Textbook:
-    """The water that tables give a robot for its lengths, sections, ends and surface.
+    """Return the water from tables for a robot's lengths, sections, ends and surface.
 
     Args:
-        robot: What swims.
-        speed: At which it swims, for the Reynolds number [m/s]; None: half its length per second.
-        surface: Of the body, instead of the robot's own; see `Robot.surface`.
+        robot: Robot that swims.
+        speed: Swimming speed for the Reynolds number [m/s]; None for half its length per second.
+        surface: Surface of the body, instead of the robot's own; see `Robot.surface`.
 
     Returns:
         The water with intervals and sources.
@@ -113,38 +113,38 @@ def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface
 
 @functools.lru_cache(maxsize=256)
 def textbook_of(robot: Robot) -> Water:
-    """The water of `textbook_water` alone, the same object for the same robot.
+    """Return only the water of `textbook_water`, the same object for the same robot.
 
     Args:
-        robot: What swims.
+        robot: Robot that swims.
     """
     return textbook_water(robot).water
 
 
 def skin_friction(speed: float, length: float) -> float:
-    """C_F of the ITTC-57 line [1], of the wetted surface [-].
+    """Return C_F of the ITTC-57 line [1], based on the wetted surface [-].
 
     Args:
-        speed: [m/s].
-        length: Along the flow [m].
+        speed: Speed [m/s].
+        length: Length along the flow [m].
     """
-    reynolds = max(speed * length / VISCOSITY, 1e3)  # below, there is no turbulent friction to speak of
+    reynolds = max(speed * length / VISCOSITY, 1e3)  # below, there is hardly any turbulent friction
     return 0.075 / (math.log10(reynolds) - 2.0) ** 2
 
 
 def tether_drag(length: float, diameter: float, speed: float) -> float:
-    """The `drag` of a `Tether` that is towed along its length, by its skin friction [kg/m].
+    """Return the `drag` of a `Tether` towed along its length, from its skin friction [kg/m].
 
     Args:
-        length: In the water [m].
-        diameter: [m].
-        speed: [m/s].
+        length: Length in the water [m].
+        diameter: Diameter [m].
+        speed: Speed [m/s].
     """
     return 0.5 * 1000.0 * skin_friction(speed, length) * math.pi * diameter * length
 
 
 def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
-    """C_f with its interval: areas whose uncertainties are independent of each other."""
+    """Return C_f with its interval, from areas whose uncertainties are independent of each other."""
     sections = [module.section for module in robot.modules]
     fin = robot.caudal_fin
     hole = fin.opening_length if fin and fin.opening == "open" else 0.0
@@ -172,14 +172,14 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
 
 
 def _across(robot: Robot, tables: Mapping[str, Sequence[tuple[float, float]]], power: int) -> float:
-    """A coefficient of the sections, weighted as the loads of the modules are: by height, or by its square."""
+    """Average a coefficient over the sections, weighted like the modules' loads: by height or its square."""
     weights = [module.length * module.section.half_height**power for module in robot.modules]
     found = [_looked_up(tables[module.section.shape], module.section) for module in robot.modules]
     return sum(w * one for w, one in zip(weights, found, strict=True)) / sum(weights)
 
 
 def _looked_up(table: Sequence[tuple[float, float]], section: Section) -> float:
-    """A table at the section's width over its height: linear in between, constant beyond its ends."""
+    """Interpolate a table linearly at the section's ratio of width to height; constant beyond its ends."""
     ratio = section.half_width / section.half_height
     for (x, low), (following, high) in pairwise(table):
         if x <= ratio < following:

@@ -1,4 +1,4 @@
-"""What decides a run, as a value: what swims, how, where and by which model."""
+"""Scenarios: everything that determines a run, as a value: what swims, how, where and by which model."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Scenarios from a few words: a robot, a gait and what differs from the defaults; names of presets and files."""
+"""Scenarios in short form: a robot, a gait and deviations from the defaults; names of presets and files."""
 
 import functools
 from collections.abc import Callable, Mapping
@@ -20,9 +20,9 @@ Motion: TypeAlias = Gait | Controller[Any]
 
 
 class ModelChanges(TypedDict, total=False):
-    """What a model may differ in from its defaults: fields of `Planar` or `Spatial`; one that is None has its default.
+    """Settings of a model that may differ from its defaults: fields of `Planar` or `Spatial`; None means the default.
 
-    A joint law may be its name: ``"prescribed"``, ``"pd"``, ``"servo"``.
+    A joint law may be given by name: ``"prescribed"``, ``"pd"``, ``"servo"``.
     """
 
     joints: JointLaw | str
@@ -38,10 +38,10 @@ class ModelChanges(TypedDict, total=False):
 
 
 class Changes(ModelChanges, total=False):
-    """What a scenario may differ in from its defaults: its fields and those of its model, see `ModelChanges`.
+    """Settings of a scenario that may differ from its defaults: its fields and those of its model, see `ModelChanges`.
 
-    An environment or a current may be a preset's name or a path, a model ``"planar"`` or ``"spatial"``. The
-    environment's default is `default_water` of robot and gait; a current takes the place of the water's own.
+    An environment or a current may be given by preset name or path, a model as ``"planar"`` or ``"spatial"``. The
+    default environment is `default_water` of robot and gait; a current replaces that of the water.
     """
 
     environment: robots.Environment | str | Path | None
@@ -54,17 +54,17 @@ class Changes(ModelChanges, total=False):
 def scenario(
     robot: robots.Robot | str | Path, motion: Motion, duration: float = 30.0, **changes: Unpack[Changes]
 ) -> Scenario:
-    """A scenario from a robot, a motion and what differs from the defaults.
+    """Make a scenario from a robot, a motion and deviations from the defaults.
 
     Args:
-        robot: What swims, or a preset's name, or the path of a file.
+        robot: The robot, the name of a preset, or the path of a file.
         motion: The gait, or the controller.
-        duration: Of the run [s].
-        changes: What else differs from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
-            or of the model `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
+        duration: Duration of the run [s].
+        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
+            or settings of the model: `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
 
     Raises:
-        ValueError: If something is out of its range, or does not go together.
+        ValueError: If an argument is out of its range, or arguments are incompatible.
 
     Example:
         >>> import laticauda as lc
@@ -93,11 +93,11 @@ def scenario(
 
 
 def model_of(model: Model | str, **changes: Any) -> Model:
-    """A model with other settings.
+    """Return a model with changed settings.
 
     Args:
-        model: One, or its name.
-        changes: Fields of it; ``joints`` may be a name.
+        model: The model, or its name.
+        changes: New values of its fields; ``joints`` may be a name.
 
     Raises:
         ValueError: If there is no such model, or a field is out of its range.
@@ -119,11 +119,11 @@ def model_of(model: Model | str, **changes: Any) -> Model:
 
 
 def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water:
-    """The water that nobody has named: the textbook's for a robot's shape, and for Mamba the paper's for the gait.
+    """Return the default water: the textbook's for the robot's shape, or for Mamba the paper's for the gait.
 
     Args:
-        robot: What swims; it is Mamba by its name, one of `MAMBA`.
-        gait: What its joints do; the paper identified coefficients for each kind, and None has those of lateral
+        robot: The robot; it is Mamba if its name is one of `MAMBA`.
+        gait: Gait of its joints; the paper identified coefficients for each kind, and None selects those of lateral
             undulation.
     """
     instance("robot", robot, robots.Robot)
@@ -133,15 +133,15 @@ def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water
 
 
 def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -> robots.Water:
-    """The water of a name, or the default.
+    """Return the water of a given name, or the default water.
 
     Args:
-        robot: What swims.
-        name: Of a preset or a file, or ``textbook``; None: `default_water`.
-        gait: What its joints do, for which the default water of Mamba has coefficients; None: lateral undulation.
+        robot: The robot.
+        name: Name of a preset or a file, or ``textbook``; None: `default_water`.
+        gait: Gait of its joints, which selects the coefficients of Mamba's default water; None: lateral undulation.
 
     Raises:
-        RobotFileError: If there is none of that name, or its file is wrong.
+        RobotFileError: If there is no water of that name, or its file is wrong.
     """
     return default_water(robot, gait) if name is None else robots.load_water(name, robot)
 
@@ -150,11 +150,11 @@ preset_water = functools.cache(robots.load_water)
 
 
 def environment_of(given: object, robot: robots.Robot) -> Any:
-    """A water or ground by its name or path; anything else as it is, for others to check.
+    """Load a water or ground by name or path; anything else is returned unchanged, for others to check.
 
     Args:
-        given: As a caller says it.
-        robot: What is to be there.
+        given: The environment as the caller gives it.
+        robot: The robot that is to be in it.
     """
     if not isinstance(given, str | Path):
         return given
@@ -168,34 +168,34 @@ def environment_of(given: object, robot: robots.Robot) -> Any:
 
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
-"""The robots on whose trials the paper's waters were identified."""
+"""The robots whose trials were used to identify the paper's waters."""
 ORIGINS: dict[str, str] = dict.fromkeys(("eel_like", "anguilliform"), "the paper's for eel-like motion")
 ORIGINS["lateral_undulation"] = "the paper's for lateral undulation"
 
 
 class Chosen(NamedTuple):
-    """What names stand for."""
+    """Resolved values of the names in a `Choice`."""
 
     robot: robots.Robot
-    """What swims, with the numbers of the parameters."""
+    """The robot, with the numbers of the parameters."""
     environment: robots.Environment
-    """Where."""
+    """The environment."""
     model: Model
-    """By which model."""
+    """The model."""
     origin: str
-    """Where the environment is from, in words."""
+    """Origin of the environment, in words."""
 
 
 @value
 class Choice:
-    """What swims, where and by which model, in names.
+    """Choice of robot, environment and model, by name.
 
-    A parameter file's numbers for water, joints, fin and power take the place of the paper's and the robot's. Its joint
-    law is taken where `joints` is left out, and prescribed joints without one. `pd` is the law of the published
+    The numbers for water, joints, fin and power in a parameter file replace those of the paper and the robot. Its joint
+    law is used if `joints` is omitted; without one, joints are prescribed. `pd` is the law of the published
     simulations, `servo` that of the real robot, `speed-servo` one that controls its speed.
 
     Raises:
-        ValueError: If names are given that do not go together.
+        ValueError: If incompatible names are given.
     """
 
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
@@ -216,7 +216,7 @@ class Choice:
     scene: str | None = option("Around it in space: pegs, slope, pipe, shore, tank, an MJCF file, ...", default=None)
 
     def __post_init__(self) -> None:
-        """Refuse what says the same twice."""
+        """Reject options that specify the same thing twice."""
         if self.parameters is not None and self.water is not None:
             raise BadArgument("parameters", "must not be given with `water`: both say what the water is")
         for name in ("water", "parameters"):
@@ -224,14 +224,14 @@ class Choice:
                 raise BadArgument(name, "must not be given with `ground`: it belongs to water")
 
     def resolved(self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot) -> Chosen:
-        """What the names stand for.
+        """Resolve the names.
 
         Args:
-            gait: It decides on the water, if none is named, and on the parameters' numbers.
-            find_robot: From a robot's name and number of links to the robot.
+            gait: Determines the water, if none is named, and the numbers of the parameters.
+            find_robot: Function that returns the robot for a name and a number of links.
 
         Raises:
-            ValueError: If a name is not known.
+            ValueError: If a name is unknown.
             RobotFileError: If a file is wrong.
         """
         robot = find_robot(self.robot, self.n_links)
@@ -258,11 +258,11 @@ class Choice:
 
 
 def named_after(changed: robots.Water, before: robots.Water) -> robots.Water:
-    """A water whose name says in what it differs from the one before.
+    """Return a water whose name states how it differs from an earlier one.
 
     Args:
-        changed: With the same name as the one before, and other numbers.
-        before: As it was found.
+        changed: The changed water, with the same name as the earlier one.
+        before: The earlier water.
     """
     listed = ", ".join(f"{name} {_plain(one)}" for name, one in _differences(changed, before).items())
     return replace(changed, name=f"{before.name} with {listed}") if listed else before
@@ -279,7 +279,7 @@ def _differences(changed: Any, before: Any) -> Mapping[str, Any]:
 
 
 def _plain(value: Any) -> str:
-    """A field's value as a name shows it."""
+    """Return a field's value as it is shown in a name."""
     if isinstance(value, Law):
         return extensions.name_of(type(value))
     if isinstance(value, tuple):

@@ -1,4 +1,4 @@
-"""Runs as values: a scenario with its model is everything that decides one, an experiment what is known of another."""
+"""Runs as values: a scenario is everything that determines a run; an experiment is what is known of any other run."""
 
 import math
 from collections.abc import Mapping
@@ -15,12 +15,12 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot, Scene
 
 NO_FILTER = 1e6
-"""Bandwidth of a reference generator whose filters let everything through at once [rad/s]."""
+"""Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""
 
 
 @value
 class _Model:
-    """What both models have."""
+    """Common fields of both models."""
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
@@ -33,7 +33,7 @@ class _Model:
     ramp: float | None = quantity("s", "Smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
-        """Refuse references that jump for joints that cannot."""
+        """Reject references that jump unless the joints can follow jumps."""
         if self.offset_bandwidth == NO_FILTER and not (self.joints.takes_jumps or isinstance(self.joints, Unknown)):
             rule = f"must be < {NO_FILTER:g} 1/s, unless the joint law takes references that jump, as `servo` does"
             raise BadArgument("offset_bandwidth", f"{rule}, got {self.offset_bandwidth:g}")
@@ -50,11 +50,11 @@ class Planar(_Model):
 
 @value
 class Spatial(_Model):
-    """MuJoCo in space, with our loads of the water; it needs the extra `spatial`.
+    """MuJoCo in space, with laticauda's hydrodynamic loads; it needs the extra `spatial`.
 
-    A planar root has height and tilt fixed. Without some ballast nothing keeps a robot with a free root upright; what
-    Mamba has is not known, and the default an assumption. A scene may be a `Scene`, its name, an MJCF file, or a
-    function that edits a `mujoco.MjSpec`.
+    A planar root has fixed height and tilt. Without some ballast, nothing keeps a robot with a free root upright;
+    Mamba's ballast is not known, and the default is an assumption. A scene may be a `Scene`, its name, an MJCF file, or
+    a function that edits a `mujoco.MjSpec`.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -79,14 +79,14 @@ class Spatial(_Model):
 
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
-"""The models by what texts call them."""
+"""The models by their names in texts."""
 
 
 def loop_in_words(settings: Mapping[str, Any]) -> str:
-    """What lies between a controller and the joints: bandwidth and delay.
+    """Describe what lies between a controller and the joints: bandwidth and delay.
 
     Args:
-        settings: With `offset_bandwidth`, and `loop_delay` unless an older version wrote them.
+        settings: Settings with `offset_bandwidth`, and `loop_delay` unless they come from an older version.
     """
     bandwidth = settings["offset_bandwidth"]
     words = "no filter" if bandwidth >= NO_FILTER else f"bandwidth {bandwidth:g} rad/s"
@@ -94,10 +94,10 @@ def loop_in_words(settings: Mapping[str, Any]) -> str:
 
 
 def settings_of(model: Model) -> dict[str, str | float | bool | None]:
-    """A model in texts and numbers, for people.
+    """Return the settings of a model as texts and numbers, for people.
 
     Args:
-        model: Any.
+        model: The model.
     """
     words = {
         name: name_of(type(one)) if isinstance(one, JointLaw | Scene) else one for name, one in vars(model).items()
@@ -107,9 +107,9 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
 
 @value
 class Scenario:
-    """Everything that decides a run: the same scenario always gives the same trial (`laticauda.swim`).
+    """Everything that determines a run: the same scenario always gives the same trial (`laticauda.swim`).
 
-    `dataclasses.replace` makes another one; what it does not replace stays the same object. The sample interval is
+    Use `dataclasses.replace` to make a modified copy; unchanged parts remain the same objects. The sample interval is
     adjusted so that it divides the time between two control instants, and the duration.
 
     Raises:
@@ -130,24 +130,24 @@ class Scenario:
     )
 
     def __post_init__(self) -> None:
-        """Check what its type does not tell."""
+        """Check what the types do not express."""
         instance("motion", self.motion, Gait, Controller)
         if isinstance(self.model, Spatial) and self.model.scene is not None:
             self.model.scene.check(self.environment)
 
     @property
     def gait(self) -> Gait:
-        """The gait, or the one that the controller starts with."""
+        """The gait, or the initial gait of the controller."""
         return self.motion if isinstance(self.motion, Gait) else self.motion.gait
 
     @property
     def controller(self) -> Controller[Any]:
-        """The controller; for a gait one that holds it."""
+        """The controller; for a gait, a controller that holds it."""
         return OpenLoop(command=Command(gait=self.motion)) if isinstance(self.motion, Gait) else self.motion
 
     @property
     def settings(self) -> Mapping[str, str | float | bool | None]:
-        """What the controller and the model are, in texts and numbers, for people."""
+        """Settings of the controller and the model as texts and numbers, for people."""
         found: dict[str, Any] = {}
         if not isinstance(self.motion, Gait):
             steered: Any = self.motion
@@ -161,10 +161,10 @@ class Scenario:
 
 @value
 class Experiment:
-    """A run that cannot be run again: of a real robot, of the tank, of a page where something was changed.
+    """A run that cannot be repeated: of a real robot, of the tank, or of a page on which something was changed.
 
     Raises:
-        ValueError: If a note is no text or number.
+        ValueError: If a note is neither text nor number.
     """
 
     robot: Robot = option("What swam")
@@ -174,25 +174,25 @@ class Experiment:
     notes: Mapping[str, Any] = option("What else is known of it: texts and numbers", default_factory=dict[str, Any])
 
     def __post_init__(self) -> None:
-        """Check what its type does not tell."""
+        """Check what the types do not express."""
         instance("notes", self.notes, Mapping)
         notes = {name: _plain(name, note) for name, note in self.notes.items() if note is not None}
         object.__setattr__(self, "notes", notes)
 
     @property
     def settings(self) -> Mapping[str, str | float | bool | None]:
-        """The model and the notes in texts and numbers, for people."""
+        """The model and the notes as texts and numbers, for people."""
         return {**({} if self.model is None else settings_of(self.model)), **self.notes}
 
     @property
     def lacks(self) -> str:
-        """What a scenario has and this has not, in words."""
+        """What a scenario has and this experiment lacks, in words."""
         missing = ["what decided its commands", "where it began", *(["a model"] if self.model is None else [])]
         return f"{', '.join(missing[:-1])} and {missing[-1]}"
 
 
 def _plain(name: str, note: Any) -> str | float:
-    """A note as plain data that a file can hold."""
+    """Return a note as plain data that a file can hold."""
     plain = cast(object, note.item() if isinstance(note, np.generic) else note)
     if isinstance(plain, float) and math.isnan(plain):
         raise BadArgument(f"notes[{name!r}]", "must not be nan")

@@ -1,15 +1,15 @@
-"""Scenarios as TOML files that people write, in names where names will do, and with every number, as trials keep them.
+"""Scenarios as TOML: files that people write, using names where possible; trials store them with every number.
 
     kind = "scenario"
-    robot = "mamba"              # a preset or a file, or a table; `n_links` beside it
-    water = "paper-lateral"      # likewise; or `ground`, or `parameters`; left out: the textbook's or Mamba's
+    robot = "mamba"              # a preset or a file, or a table; optionally with `n_links`
+    water = "paper-lateral"      # a preset, file or table; or `ground` or `parameters`; default: textbook's or Mamba's
     duration = 20.0
 
     [gait]                       # or [controller]
     amplitude_deg = 30
     frequency_deg_s = 130
     phase_shift_deg = 40
-    recorded = "angles.csv"      # or a table of `time` and `angle_deg`; the numbers above may be left out then
+    recorded = "angles.csv"      # or a table of `time` and `angle_deg`; the numbers above are then optional
 
     [model]
     kind = "spatial"
@@ -17,8 +17,8 @@
 
 A water or ground may be a table that changes a few numbers of another one: ``extends = "paper-eel"``.
 
-What a text names and nobody here defines, a law or a controller, is kept as a stand-in: the trial of it loads, and only
-running it again is refused. Nothing that a text names is imported. Experiments are texts in the same way.
+A law or controller named in a text but not defined here is kept as a stand-in: its trial loads, and only running it
+again is rejected. Nothing that a text names is imported. Experiments are stored as text in the same way.
 """
 
 import warnings
@@ -38,14 +38,14 @@ NAMES = ("robot", "n_links", "water", "ground", "parameters")
 
 
 def load_scenario(path: str | Path) -> Scenario:
-    """The scenario in a file.
+    """Load a scenario from a file.
 
     Args:
-        path: Of the TOML file; paths in it are relative to its folder.
+        path: Path of the TOML file; paths in the file are relative to its folder.
 
     Raises:
-        RobotFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the rule
-            and the value.
+        RobotFileError: If the file cannot be read, or anything in it is wrong; the message gives the file, the key, the
+            rule and the value.
     """
     with codec.keys_of(path, RobotFileError):
         return scenario_from_table(files.read_toml(path, RobotFileError), Path(path).parent)
@@ -55,21 +55,21 @@ def save_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write a scenario with all its numbers, for `load_scenario`.
 
     Args:
-        scenario: What to write.
-        path: Of the TOML file; one that is there is replaced.
+        scenario: The scenario to write.
+        path: Path of the TOML file; an existing file is replaced.
 
     Raises:
-        StorageFailed: If it cannot be written.
+        StorageFailed: If the file cannot be written.
     """
     files.write(path, run_to_toml(scenario))
 
 
 def scenario_from_table(table: codec.Table, folder: Path | None = None) -> Scenario:
-    """The scenario that a table of a file or a message says.
+    """Return the scenario described by a table from a file or a message.
 
     Args:
-        table: As a TOML or JSON reader gives it.
-        folder: Where relative paths in it start; None for the working directory.
+        table: Table as returned by a TOML or JSON reader.
+        folder: Base folder of relative paths; None for the working directory.
 
     Raises:
         BadKey: If a key is unknown, missing or out of range.
@@ -103,15 +103,15 @@ def scenario_from_table(table: codec.Table, folder: Path | None = None) -> Scena
 
 
 def take_chosen(table: codec.Table, gait: gaits.Gait, folder: Path | None) -> building.Chosen:
-    """Take from a table what it says in `NAMES`, and say what that stands for.
+    """Remove the entries `NAMES` from a table, and return what they stand for.
 
     Args:
-        table: Of a file; tables in it in the place of names are left there, that of a robot as the robot.
-        gait: It decides on the water, if none is named.
-        folder: Where files that it names are looked for first, before the working directory.
+        table: Table of a file; tables in place of names stay in it, that of a robot converted to the robot.
+        gait: Determines the water, if none is named.
+        folder: Folder in which named files are searched for first, before the working directory.
 
     Raises:
-        BadKey: If a name is not known, or names do not go together.
+        BadKey: If a name is unknown, or names are incompatible.
     """
     named = {name: table.pop(name) for name in NAMES if name in table and not isinstance(table[name], Mapping)}
     for name, one in named.items():
@@ -125,7 +125,7 @@ def take_chosen(table: codec.Table, gait: gaits.Gait, folder: Path | None) -> bu
 
 
 def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
-    """The table of a gait whose joint angles are in a file, or beside it; what it leaves out is the recording's."""
+    """Return a gait's table with its recorded joint angles loaded; omitted fields are taken from the recording."""
     given = table["recorded"]
     if isinstance(given, str):
         with codec.arguments_of("gait.recorded"):
@@ -141,9 +141,9 @@ KINDS: dict[str, type[Scenario] | type[Experiment]] = {"scenario": Scenario, "ex
 
 
 def run_to_toml(run: Scenario | Experiment) -> str:
-    """A scenario or experiment as a text, from which `run_from_toml` makes an equal one.
+    """Convert a scenario or experiment to text, from which `run_from_toml` restores an equal one.
 
-    A function in it, a law that is no class for instance, cannot be stored: its name is, and a warning says so.
+    A function in it, such as a law that is not a class, cannot be stored: only its name is, with a warning.
 
     Args:
         run: The scenario or experiment.
@@ -163,23 +163,23 @@ def run_to_toml(run: Scenario | Experiment) -> str:
 
 
 def run_from_toml(text: str) -> Scenario | Experiment:
-    """The scenario or experiment that `run_to_toml` made a text of.
+    """Restore the scenario or experiment from a text made by `run_to_toml`.
 
     Args:
         text: The TOML text.
 
     Raises:
         BadKey: If a key is unknown, missing or out of range.
-        RobotFileError: If robot or environment is wrong, or it is no TOML, or nested too deeply.
+        RobotFileError: If robot or environment is wrong, or the text is not TOML, or is nested too deeply.
     """
     return run_from_table(files.parse_toml(text, "scenario", RobotFileError))
 
 
 def run_from_table(table: codec.Table) -> Scenario | Experiment:
-    """The same from what the text holds.
+    """Restore a scenario or experiment from the parsed text.
 
     Args:
-        table: As a TOML reader gives it.
+        table: Table as returned by a TOML reader.
     """
     table = dict(table)
     kind = KINDS[codec.take_kind(table, *KINDS)]
@@ -200,7 +200,7 @@ def run_from_table(table: codec.Table) -> Scenario | Experiment:
 
 
 def unknown_in(thing: object) -> Iterator[extensions.Unknown]:
-    """What is named in a scenario, or in a part of it, and nobody here defines.
+    """Yield the names in a scenario, or in a part of it, that are not defined here.
 
     Args:
         thing: The scenario.
@@ -219,13 +219,13 @@ def _stored(controller: Controller[Any]) -> Any:
 
 
 def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
-    """The gait or the controller that a table says; a controller that nobody here defines is kept with its gait.
+    """Return the gait or the controller in a table; an undefined controller is kept as a stand-in with its gait.
 
     Args:
-        table: Of a scenario.
+        table: Table of a scenario.
 
     Raises:
-        BadKey: If there is none, or it is wrong.
+        BadKey: If neither is given, or it is wrong.
     """
     if ("gait" in table) == ("controller" in table):
         raise codec.BadKey("gait", "must be given, or `controller`, and not both")
@@ -239,10 +239,10 @@ def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
 
 
 def described(given: Any) -> Any:
-    """The robot, water or ground that a table says; anything else as it is.
+    """Return the robot, water or ground described by a table; anything else is returned unchanged.
 
     Args:
-        given: The table, with its kind.
+        given: The table, including its kind.
 
     Raises:
         ValueError: If anything in it is wrong.
@@ -258,7 +258,7 @@ def described(given: Any) -> Any:
 
 
 def _without_functions(table: Mapping[str, Any], at: str) -> codec.Table:
-    """The table with names in the place of functions, and kinds that nobody has where one stood."""
+    """Return the table with functions replaced by their names, as kinds that do not exist."""
     found: codec.Table = {}
     for name, value in table.items():
         if isinstance(value, Mapping):

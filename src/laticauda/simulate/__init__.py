@@ -1,4 +1,4 @@
-"""Make plants by name, and run them: `plant`, `run`, `swim`, and `swim_many` for many at once."""
+"""Creating plants by name and running them: `plant`, `run`, `swim`, and `swim_many` for many runs at once."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""The figures of the runs of a batch: of each, a few numbers are kept while it is at hand, and all are used at once."""
+"""Figures of the runs of a batch: a few numbers of each run are kept while it is in memory, then evaluated together."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, cast
@@ -16,45 +16,45 @@ Figure = Float[np.ndarray, " n_trials"]
 
 
 class Steady(NamedTuple):
-    """Where the steady part of every run begins."""
+    """Start of the steady part of every run."""
 
     start: Inexact[np.ndarray, " n_runs"]
-    """[s]; nan if there is none, complex if the runs have slopes."""
+    """Start times [s]; nan if there is no steady part, complex if the runs carry derivatives."""
     before: Int[np.ndarray, " n_runs"]
-    """The last sample that is not later."""
+    """Index of the last sample that is not later."""
     time: Float[np.ndarray, " n_samples"]
-    """Of all samples [s]."""
+    """Times of all samples [s]."""
 
     @classmethod
     def of(cls, runs: Sequence[Run], time: np.ndarray) -> "Steady":
-        """Of every run.
+        """Find the steady part of every run.
 
         Args:
-            runs: With their gaits.
-            time: Of their samples [s].
+            runs: The runs, with their gaits.
+            time: Times of their samples [s].
         """
         start = np.array([_steady_start(time, run.command.gait) for run in runs])
         before = np.searchsorted(time, np.nan_to_num(start), side="right") - 1
         if runs[0].slope is not None:
-            # A whole number of cycles lies behind it, which shorten as the frequency rises.
+            # The steady part is a whole number of cycles, which get shorter as the frequency rises.
             change = np.array([cast(np.ndarray, run.slope)[rows.FREQUENCY] for run in runs])
             frequency = np.array([run.command.gait.frequency or np.inf for run in runs])
             start = start + 1j * STEP * ((time[-1] - start) / frequency * change)
         return cls(start, np.clip(before, 0, time.size - 2), time)
 
 
-# What is kept of a run: its place at the start and at the end, place and velocity around the start of its steady part,
+# Kept of a run: position at the start and at the end, position and velocity around the start of its steady part,
 # heading and work at the end.
 _PATH = [rows.X - rows.TIME, rows.Y - rows.TIME, rows.VX - rows.TIME, rows.VY - rows.TIME]
 KEPT = 2 + 2 + 4 + 4 + 1 + 4
 
 
 def kept(block: Block, before: np.ndarray) -> np.ndarray:
-    """What is kept of the runs of a block.
+    """Return the numbers that are kept of the runs of a block.
 
     Args:
-        block: What they left behind.
-        before: The number of the last sample before each one's steady part.
+        block: Results of the runs.
+        before: Index of the last sample before the steady part of each run.
     """
     k, p = np.arange(before.size), block.center_of_mass
     around = block.log[before, :PATH_ROWS, k], block.log[before + 1, :PATH_ROWS, k]
@@ -62,13 +62,13 @@ def kept(block: Block, before: np.ndarray) -> np.ndarray:
 
 
 def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: Steady) -> dict[str, np.ndarray]:
-    """The figures of all runs from what is kept of them; numbers without meaning where a run diverged.
+    """Compute the figures of all runs from the kept numbers; the results are meaningless where a run diverged.
 
     Args:
-        runs: Of the batch.
-        weight: What their robots carry [N].
-        left: What is kept of them, a column each.
-        steady: Where their steady parts begin.
+        runs: Runs of the batch.
+        weight: Weights of their robots, see `carried_weight` [N].
+        left: The kept numbers, one column per run.
+        steady: Start of their steady parts.
     """
     start, end, a, b, c, d = (left[k : k + 2] for k in range(0, 12, 2))
     duration, heading, work = float(steady.time[-1]), left[12], left[13:]
@@ -95,12 +95,12 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
 
 
 def _size(vector: np.ndarray) -> np.ndarray:
-    """|vector|, complex steps included; the first axis holds x and y."""
+    """Return |vector|, valid with complex steps; the first axis holds x and y."""
     return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
 
 
 def _steady_start(time: np.ndarray, gait: Gait) -> float:
-    """Where the steady part begins [s]; nan if there is none."""
+    """Return the start of the steady part [s]; nan if there is none."""
     try:
         return cycles.steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
     except ValueError:
@@ -108,11 +108,11 @@ def _steady_start(time: np.ndarray, gait: Gait) -> float:
 
 
 def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
-    """The figures of `laticauda.trial.feasibility` for every run of a block whose log has what the joints did.
+    """Compute the figures of `laticauda.trial.feasibility` for every run of a block whose log includes the joints.
 
     Args:
-        runs: Those of the block.
-        block: What they left behind.
+        runs: Runs of the block.
+        block: Results of the runs.
     """
     layout, robots = runs[0].plant.layout, [run.plant.robot for run in runs]
     tail, n_joints = layout.tail_link, layout.n_bodies - 1

@@ -1,4 +1,4 @@
-"""How sure a run's figures are: what they become at the ends of the intervals in which its coefficients lie."""
+"""Uncertainty of a run's figures: their values at the ends of the intervals that contain its coefficients."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -16,10 +16,10 @@ Figures = Callable[[Trial], Mapping[str, float]]
 
 
 def intervals_of(scenario: scenarios.Scenario) -> Mapping[str, Interval]:
-    """The intervals of those numbers of a scenario's water that are the textbook's for its robot, by name.
+    """Return the intervals of the numbers in a scenario's water that are the textbook's for its robot, by name.
 
     Args:
-        scenario: Of a run; numbers that somebody has changed are taken as known.
+        scenario: Scenario of a run; numbers that were changed are taken as known.
 
     Raises:
         ValueError: If no number is the textbook's.
@@ -39,19 +39,19 @@ def intervals_of(scenario: scenarios.Scenario) -> Mapping[str, Interval]:
 def spread(
     trial: Trial, intervals: Mapping[str, Interval] | None = None, figures: Figures | None = None
 ) -> dict[str, Interval]:
-    """Between what the figures of a run lie, if the numbers of its scenario may lie anywhere in their intervals.
+    """Compute the range of a run's figures if the numbers of its scenario may lie anywhere in their intervals.
 
-    Each number is set to either end while the others stay; what that changes adds in quadrature, upwards and downwards
-    apart. That holds as far as the numbers are independent and act nearly linearly, and says nothing of what the model
-    itself leaves out (see the theory page on textbook water).
+    Each number is set to either end while the others stay unchanged; the resulting changes are added in quadrature,
+    upward and downward changes separately. This is valid if the numbers are independent and act nearly linearly, and
+    says nothing about what the model itself omits (see the theory page on textbook water).
 
     Args:
-        trial: A simulated run; it is run again twice for each interval.
-        intervals: By name as `parameters` has it; None: `intervals_of` its scenario.
-        figures: Figures of one's own, from a trial to numbers by name; None: those of `Trial.figures`.
+        trial: A simulated run; it is repeated twice for each interval.
+        intervals: Intervals by parameter name, as in `parameters`; None: `intervals_of` its scenario.
+        figures: Custom figures: a function from a trial to numbers by name; None: those of `Trial.figures`.
 
     Returns:
-        The least and the most by the name of the figure, for all that are numbers in every run.
+        Lower and upper bound by name, for all figures that are numbers in every run.
 
     Raises:
         ValueError: If the trial was not simulated, or there are no intervals.
@@ -72,11 +72,11 @@ def spread(
 
 
 def stated(interval: Interval, kind: str) -> Interval:
-    """An interval of `spread` with what the textbook's water itself has missed so far, on one robot.
+    """Adjust an interval of `spread` for the errors of the textbook water itself observed so far, on one robot.
 
     Args:
-        interval: Of a figure.
-        kind: Of motion: swimming, gliding, turning or starting; see `laticauda.robot.SEEN`.
+        interval: Interval of a figure.
+        kind: Kind of motion: swimming, gliding, turning or starting; see `laticauda.robot.SEEN`.
     """
     less, more = robot.SEEN[one_of("kind", kind, tuple(robot.SEEN))]
     return interval[0] / (1.0 + more), interval[1] / (1.0 + less)

@@ -1,8 +1,8 @@
-"""How the figures of trials follow the numbers that went into them: derivatives, each to one number of a trial.
+"""Derivatives of the figures of trials with respect to the parameters of the trials.
 
 The runs themselves are differentiated exactly: the kernels compute with a complex step (`laticauda.compiling.duals`).
-How that number enters the kernels' rows is a matter of a few short formulas, and their slope comes from differences of
-order eight, which are exact for polynomials of that degree: to some 1e-13 for all that a robot has.
+How a parameter enters the kernels' rows is given by a few short formulas, whose slope is computed by eighth-order
+differences, which are exact for polynomials of that degree: to about 1e-13 for everything in a robot.
 """
 
 import functools
@@ -23,43 +23,43 @@ from laticauda.simulate import many, runner
 from laticauda.simulate.numbers import UNITS, Parameter, changed, look_up, parameters, value_of
 from laticauda.trial import metrics
 
-# Points of the differences, in steps, and their weights: of order eight; four at an end of what is allowed.
+# Points of the differences, in steps, and their weights: eighth order; fourth order at an end of the allowed range.
 _MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
 _AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 _BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
 _LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows themselves
-# A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
+# The step as a share of the number. The smaller ones are for numbers near the end of the allowed range.
 _SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sensitivities:
-    """Figures of trials and their derivatives to parameters, nan where a trial has no such figure (see `Swims`)."""
+    """Figures of trials and their derivatives with respect to parameters, nan where a trial lacks one (see `Swims`)."""
 
     figures: tuple[str, ...]
-    """Names of the figures, as in `Swims`; x, y: the center of mass at the end."""
+    """Names of the figures, as in `Swims`; x, y: final position of the center of mass."""
     parameters: tuple[Parameter, ...]
-    """What they are differentiated to: name, unit and title."""
+    """Parameters of the differentiation: name, unit and title."""
     point: Float[np.ndarray, "n_trials n_parameters"]
     """Values of the parameters, in their units."""
     values: Float[np.ndarray, "n_trials n_figures"]
-    """The figures, in the units of `UNITS`."""
+    """Values of the figures, in the units of `UNITS`."""
     jacobian: Float[np.ndarray, "n_trials n_figures n_parameters"]
-    """Derivative of each figure to each parameter, in the figure's unit per the parameter's."""
+    """Derivative of each figure with respect to each parameter, in the figure's unit per the parameter's."""
     succeeded: Bool[np.ndarray, " n_trials"]
     """Whether the trial reached its end."""
     status: tuple[str, ...]
-    """How it ended."""
+    """How each trial ended."""
 
     def of(self, figure: str, parameter: str) -> Float[np.ndarray, " n_trials"]:
-        """The derivative of one figure to one parameter, for every trial.
+        """Return the derivative of one figure with respect to one parameter, for every trial.
 
         Args:
-            figure: Its name.
-            parameter: Its name, with dots.
+            figure: Name of the figure.
+            parameter: Dotted name of the parameter.
 
         Raises:
-            ValueError: If there is no such figure or parameter here.
+            ValueError: If this object has no such figure or parameter.
         """
         names = tuple(known.name for known in self.parameters)
         column = names.index(one_of("parameter", parameter, names))
@@ -67,7 +67,7 @@ class Sensitivities:
 
     @property
     def elasticity(self) -> Float[np.ndarray, "n_trials n_figures n_parameters"]:
-        """By how many percent a figure grows when a parameter grows by one: (df/dq) q/f, nan where f is 0 [-]."""
+        """Percent by which a figure grows when a parameter grows by one percent: (df/dq) q/f, nan where f is 0 [-]."""
         with np.errstate(all="ignore"):
             share = self.jacobian * self.point[:, np.newaxis, :] / self.values[:, :, np.newaxis]
         return np.where(np.isfinite(share), share, np.nan)
@@ -86,34 +86,33 @@ def sensitivities(
     progress: runner.Progress = runner.silent,
     **changes: Unpack[ModelChanges],
 ) -> Sensitivities:
-    """Derivatives of the figures of one or many trials to any numbers of robot, gait and environment.
+    """Compute derivatives of the figures of one or many trials with respect to numbers of robot, gait and environment.
 
-    The derivatives are those of what the kernels compute, at the time step of the trial, exact to rounding: the kernels
-    carry each number with its derivative (a complex step). Trials and parameters are computed side by side; each pair
-    costs three to four trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a
-    servo), it is differentiated on either side of it; over a trial that does not show.
+    The derivatives are those of the kernels' results, at the time step of the trial, exact to rounding: the kernels
+    carry each number with its derivative (a complex step). Trials and parameters are computed side by side; each
+    pair costs as much as three to four trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power,
+    saturation of a servo), it is differentiated on either side; over a whole trial, this is not visible.
 
     Args:
-        robots: The scenarios, all planar, of one duration and sample interval, without controllers; or what swims, with
-            their gaits. Time steps do not change with a parameter.
-        gaits: What the joints are asked for, one or one for each; left out with scenarios.
-        duration: Of every trial [s].
-        names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
+        robots: The scenarios, all planar, with one duration and sample interval and without controllers; or the robots,
+            together with their gaits. Time steps do not change with a parameter.
+        gaits: The commanded gaits, one for all or one for each; omitted with scenarios.
+        duration: Duration of every trial [s].
+        names: Dotted names of the parameters: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
             `robot.module.mass` (of all modules alike); see `laticauda.simulate.numbers`.
-        environments: Waters or grounds, one or one for each; None takes `default_water` of each robot and gait.
-        starts: Where each begins; None: at the origin, along x.
-        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
-        threads: How many to compute with; None takes all cores that this process may use.
-        progress: Called now and then with the share that is finished, from 0 to 1.
-        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
-            `laticauda.scenarios.ModelChanges`. A fluid law that branches is differentiated on the branch that it takes.
+        environments: Waters or grounds, one for all or one for each; None uses `default_water` of each robot and gait.
+        starts: Start of each trial; None: at the origin, along x.
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
+            of `laticauda.scenarios.ModelChanges`. A fluid law that branches is differentiated on the branch taken.
 
     Returns:
         Figures and derivatives, as arrays.
 
     Raises:
-        ValueError: If an argument is out of its range, or a parameter does not exist, counts something, or cannot
-            change.
+        ValueError: If an argument is out of its range, or a parameter does not exist, is a count, or cannot change.
 
     Example:
         >>> import laticauda as lc
@@ -150,10 +149,10 @@ def sensitivities(
 
 
 def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
-    """The parameters of these names.
+    """Return the parameters of the given names.
 
     Raises:
-        ValueError: If there is none of that name, or it counts something.
+        ValueError: If there is no parameter of that name, or it is a count.
     """
     known = parameters(scenario)
     found = tuple(look_up(name, known, "names") for name in names)
@@ -169,22 +168,22 @@ def _moved(scenario: Scenario, name: str, value: float) -> Scenario:
 
 @dataclass(frozen=True, kw_only=True)
 class Number:
-    """A number of a scenario's robot, gait or environment that may change."""
+    """A variable number of a scenario's robot, gait or environment."""
 
     name: str
-    """What messages call it."""
+    """Name used in messages."""
     scenario: Scenario
-    """Whose number it is."""
+    """Scenario that contains the number."""
     value: float
-    """What it is there."""
+    """Value of the number in that scenario."""
     change: Callable[[float], Scenario]
-    """The scenario with another value: what it is not part of stays the same object; a ValueError if out of range."""
+    """Returns the scenario with another value; unaffected parts remain the same objects; ValueError if out of range."""
     start: Callable[[float], interfaces.Start] | None = None
-    """Where the run begins with another value; None: where it did."""
+    """Returns the start of the run with another value; None: the start does not depend on the value."""
 
 
 class _Entry(NamedTuple):
-    """How a number enters a run."""
+    """The way in which a number enters a run."""
 
     rows: Float[np.ndarray, " rows"]
     weight: float
@@ -202,21 +201,21 @@ def slopes(
     look: many.Look = runner.silent,
     with_joints: bool = False,
 ) -> many.Collected:
-    """Figures of runs and their derivatives, run i to number i: complex numbers, as those of `laticauda.planar.batch`.
+    """Compute figures and their derivatives, run i by number i, as complex numbers (see `laticauda.planar.batch`).
 
     Args:
-        runs: From `laticauda.simulate.many.runs_of`; steps in time stay what they are there.
-        numbers: What each is differentiated to.
-        duration: Of every trial [s].
-        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
-        threads: How many to compute with; None takes all cores that this process may use.
-        progress: Called now and then with the share that is finished, from 0 to 1.
-        look: Called once per block, in the threads that compute, before the next one overwrites its log; all numbers
+        runs: Runs from `laticauda.simulate.many.runs_of`; their time steps remain unchanged.
+        numbers: The number with respect to which each run is differentiated.
+        duration: Duration of every trial [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        look: Called once per block, in the computing threads, before the next block overwrites its log; all numbers
             there are complex, see `laticauda.planar.batch`.
-        with_joints: Whether it finds what the joints did in the log, too.
+        with_joints: Whether the log that `look` receives includes the motion of the joints.
 
     Raises:
-        ValueError: If a number cannot change on either side, or another argument is out of its range.
+        ValueError: If a number cannot change to either side, or another argument is out of its range.
     """
     derived: list[batch.Run] = []
     weights = np.empty(len(runs), dtype=complex)
@@ -241,7 +240,7 @@ def slopes(
 
 
 def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
-    """The derivative of all that the figures are made of: the kernels' rows, and the robot's weight."""
+    """Differentiate everything from which the figures are computed: the kernels' rows, and the robot's weight."""
     size = 2.0 ** math.floor(math.log2(abs(number.value))) if number.value else 1.0
     refused: ValueError | None = None
     for points in differences:
@@ -264,7 +263,7 @@ def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, fl
 
 
 def _changed(run: batch.Run, number: Number, by: float) -> _Entry:
-    """What a run's figures are made of when its number is another."""
+    """Return what a run's figures are computed from when its number changes by `by`."""
     plant = run.plant
     after, before = number.change(number.value + by), number.scenario
     start = run.start if number.start is None else number.start(number.value + by)
@@ -279,7 +278,7 @@ def _changed(run: batch.Run, number: Number, by: float) -> _Entry:
 
 
 def _with_extras(plant: model.PlanarPlant) -> model.PlanarPlant:
-    """The same plant, whose kernels look for loads that are 0 now, because their derivatives are not."""
+    """Return the plant with kernels that also compute loads that are 0 now, because their derivatives are not."""
     wider = replace(plant)
-    vars(wider)["layout"] = replace(plant.layout, has_extras=True)  # where the cached property would put it
+    vars(wider)["layout"] = replace(plant.layout, has_extras=True)  # where the cached property would store it
     return wider

@@ -30,21 +30,21 @@ if TYPE_CHECKING:
 CPU = "cpu"
 Item = TypeVar("Item")
 Look = Callable[[Sequence[Run], Block], None]
-"""What is done with the runs of a block and what they left behind."""
+"""Callback that receives the runs of a block and their results."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Swims:
-    """Figures of many trials, in the order in which they were asked for; each means what it means in a `Trial`.
+    """Figures of many trials, in the order of the arguments; each is defined as in a `Trial`.
 
-    A figure is nan where a trial has none: all of them where the trial diverged, `steady_velocity` also where the trial
+    A figure is nan where a trial has none: all figures where the trial diverged, `steady_velocity` also where the trial
     is too short for its gait, `cost_of_transport` where the robot did not move.
     """
 
     forward_velocity: Figure
     """Straight-line displacement / time over the whole run (5) [m/s]."""
     steady_velocity: Figure
-    """The same over whole gait cycles after the first third of the run and 10 s [m/s]."""
+    """Displacement / time over whole gait cycles after the first third of the run and 10 s [m/s]."""
     mechanical_power: Figure
     """Mean of sum |u phi'| [W]."""
     net_power: Figure
@@ -52,26 +52,26 @@ class Swims:
     positive_power: Figure
     """Mean of sum max(u phi', 0) [W]."""
     mean_power: Figure
-    """Electrical power with servo joints or a `Robot.active_power`, else the mechanical one [W]."""
+    """Electrical power with servo joints or a `Robot.active_power`, otherwise mechanical power [W]."""
     cost_of_transport: Figure
     """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
     center_of_mass: Float[np.ndarray, "n_trials n_axes"]
-    """At the end [m]."""
+    """Final position of the center of mass [m]."""
     heading: Figure
-    """At the end [rad]."""
+    """Final heading [rad]."""
     succeeded: Bool[np.ndarray, " n_trials"]
     """Whether the trial reached its end."""
     status: tuple[str, ...]
-    """How it ended."""
+    """How each trial ended."""
 
     def __len__(self) -> int:
-        """Number of trials."""
+        """Return the number of trials."""
         return len(self.status)
 
     def to_dataset(self) -> "xarray.Dataset":
-        """The same as an xarray Dataset with the dimension `trial`, labeled as a sweep's results are.
+        """Convert to an xarray Dataset with the dimension `trial`, labeled like the results of a sweep.
 
-        What was varied is put beside it by `assign_coords`; an amplitude by `amplitude=("trial", amplitudes)`.
+        Add varied parameters with `assign_coords`; an amplitude, for instance, with `amplitude=("trial", amplitudes)`.
         """
         import xarray
 
@@ -96,29 +96,28 @@ def swim_many(
     progress: runner.Progress = runner.silent,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
-    """Run many scenarios of one model; or let many robots swim, each from straight and at rest.
+    """Run many scenarios of one model, or let many robots swim, each starting straight and at rest.
 
-    Trial i is what `swim` makes of the i-th of everything; where one thing is given instead of a sequence, all trials
-    share it. Planar robots of equal shape are computed eight at a time, so a sweep over gaits, waters or sizes gains
-    most; any mixture is allowed, and the figures agree with those of `swim` to rounding. Spatial ones run one by one on
-    every thread, and their figures are those of `swim` to the last bit. Neither depends on what else is in the batch,
-    nor on the number of threads.
+    Trial i is the result of `swim` for the i-th element of every argument; where a single value is given instead of a
+    sequence, all trials share it. Planar robots of equal shape are computed eight at a time, so a sweep over gaits,
+    waters or sizes gains most; any mixture is allowed, and the figures agree with those of `swim` to rounding. Spatial
+    robots run one by one on every thread, and their figures are those of `swim` to the last bit. Neither depends on
+    what else is in the batch, nor on the number of threads.
 
     Args:
-        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and are of one duration and
-            sample interval. Or what swims, with their gaits; one robot may be a preset's name or a file's path.
-        gaits: What the joints are asked for.
-        duration: Of every trial [s].
-        environments: Waters or grounds; None takes `default_water` of each robot and gait.
-        starts: Where each begins; None: at the origin, along x.
-        sample_interval: Of the logs that the figures are taken from; they are not kept [s].
-        threads: How many to compute with; None takes all cores that this process may use.
-        device: cpu, or what an installed package brings: cuda for a GPU, with `laticauda-cuda` (experimental), one
-            planar trial per thread of it. It pays for thousands of trials.
-        progress: Called now and then with the share that is finished, from 0 to 1.
-        changes: Of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields of
-            `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but takes its lanes one by
-            one.
+        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and share duration and sample
+            interval. Or the robots, together with their gaits; one robot may be given by preset name or file path.
+        gaits: The commanded gaits.
+        duration: Duration of every trial [s].
+        environments: Waters or grounds; None uses `default_water` of each robot and gait.
+        starts: Start of each trial; None: at the origin, along x.
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        device: cpu, or a device provided by an installed package: cuda for a GPU, with `laticauda-cuda` (experimental),
+            one planar trial per GPU thread. It pays off for thousands of trials.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
+            of `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but lane by lane.
 
     Returns:
         The figures, as arrays.
@@ -145,7 +144,7 @@ def swim_many(
 
 
 def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress) -> "Collected":
-    """The figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
+    """Compute the figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
     names = (*UNITS, "z")
 
     def figures(trial: Trial) -> tuple[list[float | None], bool, str]:
@@ -169,7 +168,7 @@ def batch_of(
     sample_interval: float = 0.05,
     **changes: Unpack[ModelChanges],
 ) -> Sequence[Scenario]:
-    """The scenarios of a batch; arguments as for `swim_many`."""
+    """Return the scenarios of a batch; arguments as for `swim_many`."""
     swimming = load_robot(robots) if isinstance(robots, str | Path) else robots
     if gaits is None:
         return _each("robots", cast("Sequence[Scenario]", instance("robots", swimming, Sequence)), 0, Scenario)
@@ -188,13 +187,13 @@ def batch_of(
 
 
 def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
-    """The runs of a batch, with one plant for all that share robot, environment and model.
+    """Return the runs of a batch, with one plant for all that share robot, environment and model.
 
     Args:
-        scenarios: All planar, of one duration and sample interval.
+        scenarios: Planar scenarios with the same duration and sample interval.
 
     Raises:
-        ValueError: If they are not.
+        ValueError: If they are not planar, or differ in these.
     """
     at_least_one("scenarios", scenarios, "item")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
@@ -217,14 +216,14 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Collected:
-    """All figures of a batch; complex if its runs have slopes (see `Run`)."""
+    """All figures of a batch; complex if its runs carry derivatives (see `Run`)."""
 
     figures: Mapping[str, Inexact[np.ndarray, " n_runs"]]
-    """By name, nan where a run has none."""
+    """Figures by name, nan where a run has none."""
     succeeded: Bool[np.ndarray, " n_runs"]
     """Whether the run reached its end."""
     status: tuple[str, ...]
-    """How it ended."""
+    """How each run ended."""
 
 
 def collected(
@@ -239,18 +238,18 @@ def collected(
     look: Look = runner.silent,
     with_joints: bool = False,
 ) -> Collected:
-    """Run a batch, and put all blocks' figures where they belong.
+    """Run a batch, and collect the figures of all blocks in the order of the runs.
 
     Args:
-        runs: What swims how.
-        duration: Of every trial [s].
-        sample_interval: Between two samples of the logs that the figures are taken from; they are not kept [s].
-        threads: How many to compute with; None takes all cores that this process may use.
-        progress: Called now and then with the share that is finished, from 0 to 1.
-        weights: What the robots carry [N]; complex if their runs have slopes.
-        device: cpu, or what an installed package brings, as cuda.
-        look: Called once per block, in the threads that compute, before the next one overwrites its log; cpu only.
-        with_joints: Whether it finds what the joints did in the log, too.
+        runs: The runs of the batch.
+        duration: Duration of every trial [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        weights: Weights of the robots, see `carried_weight` [N]; complex if their runs carry derivatives.
+        device: cpu, or a device provided by an installed package, such as cuda.
+        look: Called once per block, in the computing threads, before the next block overwrites its log; cpu only.
+        with_joints: Whether the log that `look` receives includes the motion of the joints.
     """
     check_size(duration, sample_interval)
     if threads is not None:
@@ -285,7 +284,7 @@ def collected(
 
 
 def _common_length(given: Mapping[str, object]) -> int:
-    """How many trials the sequences among the arguments ask for."""
+    """Return the number of trials implied by the sequences among the arguments."""
     lengths = {name: len(cast(Sequence[object], value)) for name, value in given.items() if isinstance(value, Sequence)}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{length} {name}" for name, length in lengths.items())
@@ -294,7 +293,7 @@ def _common_length(given: Mapping[str, object]) -> int:
 
 
 def _each(name: str, given: Item | Sequence[Item], n: int, *kinds: type) -> Sequence[Item]:
-    """The argument once per trial, checked."""
+    """Return the argument once per trial, validated."""
     if not isinstance(given, Sequence):
         instance(name, given, *kinds)
         return [given] * n

@@ -1,10 +1,10 @@
-"""What can be swept: every number in the robot, the gait, the environment and the joint law, by a dotted name.
+"""Parameters that can be swept: every number in robot, gait, environment and joint law, by a dotted name.
 
-A name is the way to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. What a robot has
-several of goes by its singular and means all of them alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A
-pair of numbers is two: `water.current_x`, `water.current_y`; of a flow, each of its numbers: `water.current.height`,
-and of a sum of flows those of each: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints`
-has the numbers of a joint law of one's own. Units are those of the fields: SI and radians.
+A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. The singular of a
+plural field addresses all of its items alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A pair of numbers
+is two parameters: `water.current_x`, `water.current_y`; a flow has each of its numbers: `water.current.height`, and a
+sum of flows those of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
+the numbers of a custom joint law. Units are those of the fields: SI and radians.
 """
 
 import difflib
@@ -27,14 +27,14 @@ Changes = dict[str, Any]
 
 _FIGURES = "forward_velocity steady_velocity mechanical_power net_power positive_power mean_power cost_of_transport"
 UNITS = {name: getattr(Trial, name).unit for name in _FIGURES.split()} | {"x": "m", "y": "m", "heading": "rad"}
-"""The figures of a trial that follow its numbers, with their units."""
+"""Figures of a trial that depend on its parameters, with their units."""
 
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
-_EACH = {"flows": "flow"}  # whose numbers are never alike
+_EACH = {"flows": "flow"}  # items whose numbers are never addressed together
 _PLURAL = {one: several for several, one in (_SINGULAR | _EACH).items()}
 _ENDS = ("_x", "_y", "_z")
 _ONE = re.compile(r"(\w+)\[(\d+)\]")  # one of several: module[3]
-_WHOLE, _NUMBER = ((kind, kind | None) for kind in (int, float))  # types of fields
+_WHOLE, _NUMBER = ((kind, kind | None) for kind in (int, float))  # field types
 _AXES = (tuple[float, float], tuple[float, float] | None, tuple[float, float, float], Current)
 
 
@@ -43,17 +43,17 @@ class Parameter:
     """A number that can be swept."""
 
     name: str
-    """The way to it, with dots."""
+    """Dotted path to the field."""
     unit: str
     """Its unit; "" for a pure number."""
     title: str
-    """What it is, in a few words."""
+    """Title, in a few words."""
     is_whole: bool = False
-    """Whether it counts something, and must be a whole number."""
+    """Whether it is a count, and must be a whole number."""
 
     @property
     def phrase(self) -> str:
-        """Its name in words, as an axis has it: height of the caudal fin."""
+        """Name in words, as on a plot axis: height of the caudal fin."""
         root, *owners, last = self.name.split(".")
         last, axis = (last[:-2], f", {last[-1]}") if last.endswith(_ENDS) else (last, "")
         words = last.replace("_", " ")
@@ -64,26 +64,26 @@ class Parameter:
 
 
 def _owner(step: str) -> str:
-    """What a step of a name stands for, in words."""
+    """Return what a step of a name stands for, in words."""
     one = _ONE.fullmatch(step)
     return (f"{one[1]} {one[2]}" if one else f"the {_PLURAL.get(step, step)}").replace("_", " ")
 
 
 def described(title: str, unit: str) -> dict[str, str]:
-    """What stands beside a variable of a Dataset, as xarray's plots label their axes with it.
+    """Return the attributes of a Dataset variable, from which xarray's plots take their axis labels.
 
     Args:
-        title: What it is, a phrase.
-        unit: "" for a pure number.
+        title: Title, a phrase.
+        unit: Unit; "" for a pure number.
     """
     return {"long_name": title, "units": unit or "1"}
 
 
 def of_figure(name: str) -> dict[str, str]:
-    """The same of a figure of a trial, of what its log has at its end, or of whether it `succeeded`.
+    """Return the attributes for a figure of a trial, for the final value of a series, or for `succeeded`.
 
     Args:
-        name: Of the figure, or the series.
+        name: Name of the figure or the series.
     """
     if name == "succeeded":
         return {"long_name": "whether the run reached its end"}
@@ -93,13 +93,13 @@ def of_figure(name: str) -> dict[str, str]:
 
 
 def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
-    """What can be swept, by name.
+    """Return the parameters that can be swept, by name.
 
-    A fin, a thruster or a tether's drag can be swept if the robot has one; coefficients that are None until now can.
+    Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still None can be swept.
 
     Args:
-        scenario: Whose; the names of its environment's numbers begin with `water` or `ground`.
-        each: Whether the numbers of every single module and joint are listed too.
+        scenario: The scenario; names of its environment's parameters begin with `water` or `ground`.
+        each: Whether to list the numbers of every single module and joint as well.
     """
     robot, environment = scenario.robot, scenario.environment
     found = [*_numbers(scenario.gait, "gait"), *_numbers(environment, place(environment))]
@@ -114,20 +114,20 @@ def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter
 
 
 def place(environment: Environment) -> str:
-    """What the names of an environment's parameters begin with."""
+    """Return the prefix of the names of an environment's parameters."""
     return "water" if isinstance(environment, Water) else "ground"
 
 
 def look_up(name: object, known: Mapping[str, Parameter], argument: str = "points") -> Parameter:
-    """The parameter of that name.
+    """Return the parameter of a given name.
 
     Args:
-        name: Its name, with dots.
-        known: What can be swept.
-        argument: Whose names they are, for messages.
+        name: Dotted name of the parameter.
+        known: Parameters that can be swept.
+        argument: Argument that holds the names, for error messages.
 
     Raises:
-        ValueError: If there is none; the message has the nearest names.
+        ValueError: If there is none; the message gives the nearest names.
     """
     if isinstance(name, str) and name in known:
         return known[name]
@@ -138,14 +138,14 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
 
 
 def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
-    """A scenario with other values of its numbers; what does not change stays the same object.
+    """Return a scenario with other values of its parameters; unchanged parts remain the same objects.
 
     Args:
-        scenario: As it is.
-        values: By name of the parameter, all of them known.
+        scenario: The original scenario.
+        values: New values by parameter name; all names must be known.
 
     Raises:
-        ValueError: If a value is out of its range, or they do not go together.
+        ValueError: If a value is out of its range, or the values are incompatible.
     """
     wanted: Changes = {}
     for name, value in values.items():
@@ -169,7 +169,7 @@ def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
 
 
 def _applied(thing: Any, wanted: Changes) -> Any:
-    """A dataclass with other values at the ends of the ways in `wanted`, all checked at once."""
+    """Return a dataclass with other values at the ends of the paths in `wanted`, all validated at once."""
     if not wanted:
         return thing
     new: Changes = {}
@@ -180,7 +180,7 @@ def _applied(thing: Any, wanted: Changes) -> Any:
             new[name] = _other(held, value)
         else:
             several = list(held)
-            made = {id(one): _other(one, value) for one in several[some]}  # the same object stays the same object
+            made = {id(one): _other(one, value) for one in several[some]}  # items that were the same object remain so
             several[some] = [made[id(one)] for one in several[some]]
             new[name] = tuple(several)
     whole = {name: int(new[name]) for name in new.keys() & _whole_fields(thing.__class__)}
@@ -188,16 +188,16 @@ def _applied(thing: Any, wanted: Changes) -> Any:
 
 
 def _other(held: Any, value: Any) -> Any:
-    """What takes the place of a number, or of a thing whose numbers change."""
+    """Return the replacement for a number, or for an object whose numbers change."""
     return _applied(held, cast("Changes", value)) if isinstance(value, dict) else value
 
 
 def _place(thing: Any, step: str) -> tuple[str, slice | None]:
-    """The field to which a step of a name leads, and which of several things or numbers there; None: the one."""
+    """Return the field that a step of a name leads to, and a slice of its items or numbers; None: a single item."""
     one = _ONE.fullmatch(step)
     if one:
         return _PLURAL[one[1]], slice(int(one[2]), int(one[2]) + 1)
-    if step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
+    if step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has a single joint
         return _PLURAL[step], slice(None)
     if step.endswith(_ENDS) and not hasattr(thing, step):
         end = _ENDS.index(step[-2:])
@@ -206,7 +206,7 @@ def _place(thing: Any, step: str) -> tuple[str, slice | None]:
 
 
 def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
-    """The numbers in a dataclass, and in what it holds."""
+    """Yield the numbers in a dataclass and in its parts."""
     kind = cast("type[object]", type(thing))
     hints, texts, numbers = hints_of(kind), texts_of(kind), quantities_of(kind)
     for field in fields(thing):
@@ -233,14 +233,14 @@ def _whole_fields(kind: type) -> frozenset[str]:
 
 
 def check_whole(parameter: Parameter, values: Any) -> None:
-    """Refuse fractions where only whole numbers have a meaning.
+    """Reject fractions where only whole numbers are meaningful.
 
     Args:
-        parameter: What is swept.
-        values: Of it, an array.
+        parameter: The parameter that is swept.
+        values: Array of its values.
 
     Raises:
-        ValueError: If one is none.
+        ValueError: If a value is not a whole number.
     """
     fractions = values[values != np.rint(values)]
     if parameter.is_whole and fractions.size:
@@ -248,15 +248,15 @@ def check_whole(parameter: Parameter, values: Any) -> None:
 
 
 def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
-    """What a parameter is in a scenario.
+    """Return the value of a parameter in a scenario.
 
     Args:
-        name: Its name, with dots.
-        scenario: Whose number it is.
-        argument: Whose names they are, for messages.
+        name: Dotted name of the parameter.
+        scenario: The scenario that contains it.
+        argument: Argument that holds the names, for error messages.
 
     Raises:
-        ValueError: If it is not the same in all modules or joints that it stands for, or is None.
+        ValueError: If it differs among the modules or joints that it stands for, or is None.
     """
     root, *way = name.split(".")
     environment = scenario.environment
@@ -264,7 +264,7 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     things: list[Any] = [roots.get(root, environment)]
     for step in way:
         things = [part for thing in things for part in _parts(thing, step)]
-    # A module's or fin's own coefficient that is None is the water's.
+    # A coefficient of a module or fin that is None takes the water's value.
     things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
     if len(set(things)) > 1:
         rule = f"must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}"
@@ -275,18 +275,18 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
 
 
 def _parts(thing: Any, step: str) -> Sequence[Any]:
-    """What a step of a name leads to."""
+    """Return the objects or numbers that a step of a name leads to."""
     name, some = _place(thing, step)
     found = getattr(thing, name)
     return [found] if some is None else found[some]
 
 
 def near(name: str, known: Collection[str]) -> str:
-    """The end of a message about a mistyped name: up to three that are alike as a whole or at their ends, or "".
+    """Return the end of an error message about a mistyped name: up to three similar names or name ends, or "".
 
     Args:
-        name: As it was typed.
-        known: The names that there are.
+        name: The name as typed.
+        known: Valid names.
     """
     plain = name.casefold().replace("-", "_")
     by_end: dict[str, list[str]] = {}

@@ -1,4 +1,4 @@
-"""The only place where scenarios become plants."""
+"""Conversion of scenarios to plants; this is the only place where it happens."""
 
 from pathlib import Path
 from typing import Any, Unpack, cast
@@ -18,20 +18,20 @@ def plant(
     model: Model | str = "planar",
     **changes: Unpack[ModelChanges],
 ) -> Plant[Any]:
-    """What a scenario is about as something that can be stepped.
+    """Make the plant of a scenario, which can be stepped.
 
     Args:
-        robot: The scenario, of a trial too (`Trial.scenario`); or a robot alone, that comes with its environment: also
-            the name of a preset, or the path of a file.
-        environment: Where it swims, also by its name or path; left out with a scenario.
-        model: With a robot, the model or its name.
-        changes: With a robot, the model's settings; see `laticauda.scenarios.ModelChanges`.
+        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot alone, with its environment: a
+            `Robot`, the name of a preset, or the path of a file.
+        environment: Where it swims, also by name or path; omitted with a scenario.
+        model: With a robot: the model or its name.
+        changes: With a robot: the model's settings; see `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The plant.
 
     Raises:
-        ValueError: If an argument is out of its range, or robot and environment do not fit together.
+        ValueError: If an argument is out of its range, or robot and environment are incompatible.
         MissingExtra: If the model needs a package that is not installed.
     """
     if isinstance(robot, Experiment):
@@ -60,7 +60,7 @@ def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
 
 
 def school_of(plant: Plant[Any], command: Command, n: int, interval: float, *, threads: int | None) -> School[Any]:
-    """Many of a plant's robots side by side; arguments as for the `School` of its model."""
+    """Make a `School` of many copies of a plant's robot; arguments as for the `School` of its model."""
     if isinstance(plant.settings, Planar):
         from laticauda.planar import school
     else:
@@ -69,11 +69,11 @@ def school_of(plant: Plant[Any], command: Command, n: int, interval: float, *, t
 
 
 def needs_compiling(environment: Environment, model: Model | str | None = None) -> bool:
-    """Whether the first run in this environment will have to compile its kernels, which takes seconds.
+    """Return whether the first run in this environment will have to compile its kernels, which takes seconds.
 
     Args:
-        environment: The water it swims in or the ground it crawls on.
-        model: By which model, or its name; None: planar.
+        environment: The water in which the robot swims, or the ground on which it crawls.
+        model: The model or its name; None: planar.
 
     Raises:
         MissingExtra: If the model needs a package that is not installed.

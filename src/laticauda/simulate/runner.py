@@ -1,4 +1,4 @@
-"""Run a plant on a clock and keep the log."""
+"""Simulation of a plant over time, with its log."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,22 +22,22 @@ Progress = Callable[[float], None]
 Until = Callable[[Observation], bool]
 States = Sequence[Any]
 Marched = tuple[States, Sequence[Stretch], str | None]
-"""States of all plants after a stretch of time, what it left behind, and what went wrong, if anything."""
+"""States of all plants after a stretch of time, the resulting stretches of log, and a failure message, if any."""
 March = Callable[[States, Sequence[Command], float, float], Marched]
-"""As `Plant.advance`, for all plants at once."""
+"""Like `Plant.advance`, for all plants at once."""
 
 
 def silent(*_: object) -> None:
-    """What is called where nobody wants to know."""
+    """Do nothing; the default callback."""
 
 
-CLOSE = 1e-9  # [s]: two moments that are one
+CLOSE = 1e-9  # [s]: times closer than this are equal
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
 
 
 class Watching(TypedDict, total=False):
-    """What may be said of a run besides its scenario; see `run`."""
+    """Options of a run in addition to its scenario; see `run`."""
 
     link_forces: bool
     until: Until | None
@@ -46,7 +46,7 @@ class Watching(TypedDict, total=False):
 
 
 class Logging(Watching, total=False):
-    """What may be said of how a run is logged and ends; see `run`."""
+    """Options that control how a run is logged and ends; see `run`."""
 
     sample_interval: float
 
@@ -63,29 +63,29 @@ def run(
     throw: bool = False,
     progress: Progress = silent,
 ) -> Trial:
-    """Let a controller drive a plant, from straight and at rest.
+    """Run a plant under a controller, starting straight and at rest.
 
-    A command acts the plant's `loop_delay` after the observation that it was made from, and the controller's gait until
-    the first one does. `OpenLoop` looks at nothing, and acts at once.
+    A command takes effect the plant's `loop_delay` after the observation from which it was computed; until the first
+    one does, the controller's gait acts. `OpenLoop` ignores observations, and acts at once.
 
     Args:
-        plant: What swims; see `plant`.
-        controller: Decides the command at every control instant; `OpenLoop` holds one. Its signals are kept in the
+        plant: The plant to run; see `plant`.
+        controller: Computes the command at every control instant; `OpenLoop` holds one. Its signals are stored in the
             trial.
-        duration: [s].
-        start: Where it begins; None: at the origin, along x.
-        sample_interval: Between two samples of the log [s]; adjusted so that it divides the time between two control
-            instants, and the duration.
-        link_forces: Log the force on every link too.
-        until: Asked at every control instant after the first; once it says yes the run is over, before its duration.
-        throw: Raise when the run blows up, instead of returning a trial that says so.
-        progress: Called now and then with the time reached [s].
+        duration: Duration of the run [s].
+        start: Start of the run; None: at the origin, along x.
+        sample_interval: Time between two samples of the log [s]; adjusted so that it divides the time between two
+            control instants, and the duration.
+        link_forces: Whether to log the force on every link as well.
+        until: Called at every control instant after the first; when it returns True, the run ends early.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that says so.
+        progress: Called repeatedly with the time reached [s].
 
     Returns:
-        The trial, its final state included.
+        The trial, including its final state.
 
     Raises:
-        ValueError: If an argument is out of its range, or the controller refuses the robot.
+        ValueError: If an argument is out of its range, or the controller rejects the robot.
         SimulationFailed: If the run blows up and `throw` is set.
     """
     scenario = Scenario(
@@ -101,16 +101,16 @@ def run(
 
 
 def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching]) -> Trial:
-    """Let a scenario run on its plant; errors as for `run`.
+    """Run a scenario on its plant; errors as for `run`.
 
     Args:
-        scenario: What decides the run.
-        plant: Made of it.
-        how: `link_forces`: log the force on every link too; `until`: asked at every control instant, ends the run when
-            it says yes; `throw`: raise when the run blows up; `progress`: called now and then with the time reached
-            [s].
+        scenario: Everything that determines the run.
+        plant: The plant made from the scenario.
+        how: `link_forces`: log the force on every link as well; `until`: called at every control instant, ends the run
+            when it returns True; `throw`: raise an error when the run blows up; `progress`: called repeatedly with the
+            time reached [s].
     """
-    # What swims there, the planar robot for instance, and what the scenario leaves open, as the time step.
+    # Record the robot that actually swims, such as its planar form, and what the scenario leaves open, such as dt.
     scenario = replace(scenario, robot=plant.robot, model=plant.settings)
     link_forces = how.get("link_forces", False)
 
@@ -133,18 +133,18 @@ def run_all(
     check: Callable[[States], object] = lambda states: None,
     progress: Progress = silent,
 ) -> list[Trial]:
-    """Let plants that march together be driven by the controllers of their scenarios; see `run`.
+    """Run plants that advance together under the controllers of their scenarios; see `run`.
 
     Args:
-        scenarios: One for each plant, all of one duration and sample interval.
-        plants: What swims.
-        march: As `Plant.advance`, for all of them at once.
-        until: Asked of the first one.
-        check: Refuses states to begin with.
-        progress: Called now and then with the time reached [s].
+        scenarios: One for each plant, all with the same duration and sample interval.
+        plants: The plants to run.
+        march: Like `Plant.advance`, for all plants at once.
+        until: Called with the observation of the first plant.
+        check: Rejects invalid initial states.
+        progress: Called repeatedly with the time reached [s].
 
     Raises:
-        ValueError: If an argument is out of its range, or a controller refuses its robot.
+        ValueError: If an argument is out of its range, or a controller rejects its robot.
     """
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     check_size(duration, sample_interval)
@@ -171,11 +171,11 @@ def run_all(
 
 
 class _Swimmer:
-    """A plant on its way: its state, the controller that drives it, and what both leave behind.
+    """A plant during a run: its state, its controller, and what both have logged.
 
     Args:
-        plant: What swims.
-        scenario: Its own.
+        plant: The plant to run.
+        scenario: Its scenario.
     """
 
     def __init__(self, plant: Plant[Any], scenario: Scenario) -> None:
@@ -183,14 +183,14 @@ class _Swimmer:
         self.state = _begun(plant, scenario.start, scenario.gait)
         self.mind = self.controller.init()
         self.delay = _delay(plant, self.controller, scenario.start)
-        # What lies between controller and joints: from when on each command acts [s]; the first one does.
+        # The delay line between controller and joints: when each command takes effect [s]; the first one already has.
         self.line = [(0.0, Command(gait=self.controller.gait))]
         self.log: list[Stretch] = []
         self.signals: list[Mapping[str, float]] = []
-        self.counts: list[int] = []  # of the samples behind each control instant
+        self.counts: list[int] = []  # number of samples after each control instant
 
     def decide(self, seen: Observation, now: float, pace: float) -> None:
-        """One control instant; a controller slower than the `pace` of the others keeps its first command."""
+        """Perform one control step; a controller slower than the `pace` of the others keeps its first command."""
         controller, command = self.controller, self.line[-1][1]
         if not self.signals or controller.interval <= pace:
             self.mind, command = controller.step(self.mind, seen)
@@ -202,9 +202,9 @@ class _Swimmer:
             del self.line[0]
 
     def trial(self, duration: float, failure: str | None) -> Trial:
-        """What was logged, of a run of that duration [s] that may have ended by a failure."""
+        """Return the trial of a run of the given duration [s], which may have ended with a failure."""
         log, scenario = self.plant.log(self.log), self.scenario
-        self.counts[-1] += 1  # a sample at a control instant is logged as the last one before it, but for the very last
+        self.counts[-1] += 1  # a sample at a control instant has its signals, but the very last one those before it
         said = {name: np.repeat([one[name] for one in self.signals], self.counts) for name in self.signals[0]}
         return Trial(
             **vars(replace(log, signals={**said, **log.signals})),
@@ -217,7 +217,7 @@ class _Swimmer:
 
 
 def _march_on(swimmers: Sequence[_Swimmer], march: March, now: float, share: float, count: int) -> str | None:
-    """Let a stretch of time go by, in parts where a command begins to act; what went wrong, if anything."""
+    """Advance by a stretch of time, split where a command takes effect; return the failure message, if any."""
     interval = share / count
     turns = [due - now for one in swimmers for due, _ in one.line[1:] if due < now + share - CLOSE]
     samples, moments = [], (0.0, share)
@@ -239,7 +239,7 @@ def _march_on(swimmers: Sequence[_Swimmer], march: March, now: float, share: flo
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
-    """How late commands act [s]."""
+    """Return the delay after which commands take effect [s]."""
     delay = 0.0 if isinstance(controller, OpenLoop) else plant.settings.loop_delay
     if delay and isinstance(start, Resumed):
         rule = "must be 0 to go on from the end of a trial, which does not keep the commands on their way"
@@ -248,7 +248,7 @@ def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resume
 
 
 def _begun(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:
-    """The plant's first state: that of a start, or the one at which a trial ended."""
+    """Return the plant's initial state: that of a start, or the final state of a trial."""
     if isinstance(start, Resumed):
         return plant.unpack({name: np.array(one) for name, one in start.state.items()})
     return plant.init(start, Command(gait=gait))
@@ -262,23 +262,23 @@ def resume(
     controller: Controller[Any] | None = None,
     **how: Unpack[Logging],
 ) -> Trial:
-    """Go on from where a trial ended; the rest of an open-loop run is the same as if it had never been cut.
+    """Continue from the end of a trial; the rest of an open-loop run is the same as if it had never been interrupted.
 
     Args:
-        plant: The same plant as that of the trial (`laticauda.plant` of its scenario).
+        plant: The plant of the trial (`laticauda.plant` of its scenario).
         trial: A trial that ran to its end.
-        duration: How much longer [s].
-        controller: None goes on with the trial's gait. A controller starts from its own initial state.
-        how: `link_forces`: log the force on every link too; `until`: asked at every control instant, ends the run when
-            it says yes; `throw`: raise when the run blows up; `progress`: called now and then with the time reached
-            [s];
-            `sample_interval`: between two samples of the log [s].
+        duration: Duration of the continuation [s].
+        controller: The controller, which starts from its own initial state; None continues with the trial's gait.
+        how: `link_forces`: log the force on every link as well; `until`: called at every control instant, ends the run
+            when it returns True; `throw`: raise an error when the run blows up; `progress`: called repeatedly with the
+            time reached [s];
+            `sample_interval`: time between two samples of the log [s].
 
     Returns:
-        The trial of the second part; `laticauda.joined` puts the two together.
+        The trial of the second part; `laticauda.joined` joins the two.
 
     Raises:
-        ValueError: If the trial has no state to go on from, or not one of this plant.
+        ValueError: If the trial has no state to continue from, or a state that does not belong to this plant.
         SimulationFailed: If the run blows up and `throw` is set.
     """
     steered = getattr(trial.scenario, "motion", None)  # an experiment has none
@@ -294,14 +294,14 @@ def resume(
 
 
 def _motion(controller: Controller[Any]) -> Motion:
-    """A gait, where the controller only holds one."""
+    """Return the gait if the controller only holds one, otherwise the controller."""
     instance("controller", controller, Controller)
     held = isinstance(controller, OpenLoop) and controller == OpenLoop(command=Command(gait=controller.gait))
     return controller.gait if held else controller
 
 
 def _cut(duration: float, interval: float, n_reached: int) -> float:
-    """The duration of a run that ends after as many control instants of one that was to be longer [s]."""
+    """Return the shortened duration of a run that ends after `n_reached` control instants [s]."""
     length = duration / max(1, math.ceil(duration / interval - 1e-9))
     cut = length * n_reached
     around = cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)
@@ -309,7 +309,7 @@ def _cut(duration: float, interval: float, n_reached: int) -> float:
 
 
 def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
-    """Cut a run at its control instants, and long stretches where `progress` wants to know.
+    """Split a run at its control instants, and split long stretches so that `progress` is called often enough.
 
     Yields:
         Length of the stretch [s], samples in it, time reached at its end [s].
@@ -333,21 +333,21 @@ def swim(
     progress: Progress = silent,
     **changes: Unpack[Changes],
 ) -> Trial:
-    """Run a scenario; or let a robot swim a gait, from straight and at rest.
+    """Run a scenario, or simulate a robot that swims a gait, starting straight and at rest.
 
     Args:
-        robot: The scenario, of a trial too (`Trial.scenario`); or what swims (`load_robot`), with its gait.
-        gait: What the joints are asked for (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; left
-            out with a scenario.
-        duration: With a robot [s].
-        link_forces: Log the force on every link too.
-        throw: Raise when the run blows up, instead of returning a trial that says so.
-        progress: Called now and then with the time reached [s].
-        changes: With a robot, what else differs from the defaults, `environment`, `model`, `joints`, `dt` and the
-            like, see `laticauda.scenarios.Changes`.
+        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot (`load_robot`), together with its gait.
+        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; omitted with a
+            scenario.
+        duration: With a robot: duration of the run [s].
+        link_forces: Whether to log the force on every link as well.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that says so.
+        progress: Called repeatedly with the time reached [s].
+        changes: With a robot: other deviations from the defaults, such as `environment`, `model`, `joints` and `dt`;
+            see `laticauda.scenarios.Changes`.
 
     Returns:
-        The trial; a run that blows up is one too, and its `status` says when and what to try.
+        The trial; a run that blows up also returns one, whose `status` says when it did and what to try.
 
     Raises:
         ValueError: If an argument is out of its range.

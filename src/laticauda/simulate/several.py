@@ -1,4 +1,4 @@
-"""Several trials at once, of models that take no lanes: side by side on threads, or all robots in one scene."""
+"""Several trials at once, of models that do not vectorize: in parallel on threads, or all robots in one scene."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ Result = TypeVar("Result")
 
 
 class _Given(Exception):
-    """Nobody waits for this trial any more."""
+    """Raised in a trial whose result is no longer needed."""
 
 
 def swim_each(
@@ -27,20 +27,20 @@ def swim_each(
     threads: int | None = None,
     progress: Progress = silent,
 ) -> list[Result]:
-    """Run every scenario, several at a time; the numbers are those of `swim`, however many threads there are.
+    """Run every scenario, several at a time; the results are those of `swim`, whatever the number of threads.
 
     Args:
-        scenarios: Of any model; those of one robot, environment and model should follow each other, for a thread keeps
-            the last plant that it made.
-        use: Called with every trial, in the thread that ran it; only what it returns is kept.
-        threads: How many; None takes all cores that this process may use.
-        progress: Called after every trial with the share that is finished, from 0 to 1.
+        scenarios: Scenarios of any model; those with the same robot, environment and model should be adjacent, because
+            a thread keeps the last plant that it made.
+        use: Called with every trial, in the thread that ran it; only its return value is kept.
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called after every trial with the completed share, from 0 to 1.
 
     Returns:
-        What `use` returned, in the order of the scenarios.
+        Return values of `use`, in the order of the scenarios.
 
     Raises:
-        BadArgument: If a scenario cannot be run; its place is in the argument's name, and the others are given up.
+        BadArgument: If a scenario cannot be run; the argument's name gives its index, and the others are abandoned.
     """
     own, is_over, results = local(), Event(), list[Result]()
 
@@ -75,19 +75,19 @@ def swim_each(
 def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent) -> list[Trial]:
     """Run several robots in one scene.
 
-    They have one environment, one scene (`open` is one with nothing else in it), one duration and sample interval;
-    robots, gaits, controllers, joint laws and starts are their own. Bodies of the second robot have `robot_1_` before
-    their names, and so on, so that they may all be the same.
+    All scenarios share one environment, one scene (`open` contains nothing else), one duration and one sample interval;
+    robots, gaits, controllers, joint laws and starts may differ. The names of the second robot's bodies are prefixed
+    with `robot_1_`, and so on, so that all robots may be the same.
 
     Args:
-        scenarios: One for each robot, of the spatial model.
-        progress: Called now and then with the time reached [s].
+        scenarios: One for each robot, with the spatial model.
+        progress: Called repeatedly with the time reached [s].
 
     Returns:
-        A trial for each; contacts with other robots are among its contact forces. Rays see no other robots.
+        A trial for each robot; contacts with other robots are among its contact forces. Rays do not see other robots.
 
     Raises:
-        ValueError: If they cannot be in one scene, or robots begin in one another.
+        ValueError: If the robots cannot share one scene, or overlap at the start.
 
     Example:
         >>> import laticauda as lc

@@ -1,6 +1,6 @@
-"""The robot in space, with MuJoCo: models to simulate and to export, and the parts of them for a scene of one's own.
+"""Three-dimensional robot models in MuJoCo, for simulation, for export, and as parts of a custom scene.
 
-It needs the extra `spatial`; MuJoCo is loaded when it is first needed, and not before.
+Requires the extra `spatial`; MuJoCo is imported on first use.
 """
 
 from typing import TYPE_CHECKING

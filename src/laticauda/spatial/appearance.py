@@ -1,6 +1,6 @@
-"""What a robot looks like, and what it collides with: the shapes on its bodies.
+"""Shapes on the bodies of a robot, for display and for collision.
 
-Shapes have no mass; the bodies have their own. Collision shapes are in group 3, which MuJoCo's viewer hides at first.
+Shapes are massless; the bodies carry the mass. Collision shapes are in group 3, hidden in MuJoCo's viewer by default.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -16,38 +16,38 @@ from laticauda.files import read_toml, write
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
 
-SEEN, HULL = 1, 3  # groups
-# Modules touch the world and not each other: their joint limits keep them apart.
+SEEN, HULL = 1, 3  # geom groups
+# Modules collide with the world but not with each other: their joint limits keep them apart.
 TOUCHES_WORLD: dict[str, Any] = {"contype": 1, "conaffinity": 0}
 UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": SEEN, "mass": 0.0}
-SHORTEST = 1e-3  # of a shape [m]
+SHORTEST = 1e-3  # minimum length of a shape [m]
 SUFFIXES = (".stl", ".obj")
-PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
-GAP = 0.012  # between two housings, filled by the bellows [m]
-CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
-AROUND = 20  # vertices around a section; the eye sees no corners
+PITCH = 1.64  # length of one housing in half heights, as on Mamba's modules
+GAP = 0.012  # gap between two housings, filled by the bellows [m]
+CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of parts inside and outside a housing, relative to the housing
+AROUND = 20  # vertices around a section, enough to look smooth
 NOSE = 1.5  # length of the rounded front, in half heights
 _MATERIALS = read_toml(Path(__file__).with_suffix(".toml"))
 MATERIALS: dict[str, Any] = {name: (tuple(color), shine) for name, (color, shine) in _MATERIALS.items()}
-"""Red, green, blue and opacity; how much it shines."""
+"""Red, green, blue and opacity, and the shine, of each material."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mesh:
-    """A closed surface, seen from outside counter-clockwise."""
+    """A closed triangle mesh, with faces counterclockwise when seen from outside."""
 
     vertices: Float[np.ndarray, "n_vertices 3"]
-    """[m]."""
+    """Coordinates [m]."""
     faces: Int[np.ndarray, "n_faces 3"]
-    """Three vertices each [-]."""
+    """Three vertex indices per face [-]."""
 
 
 def loft(stations: Sequence[tuple[float, float, float]], *, around: int = AROUND) -> Mesh:
-    """A surface through elliptic sections that stand on the x axis, closed at both ends.
+    """Return a surface through elliptic sections centered on the x axis, closed at both ends.
 
     Args:
-        stations: Of every section its place x, its half height and its half width [m], x not falling.
-        around: Vertices of one section.
+        stations: Position x, half height and half width of each section [m], with x nondecreasing.
+        around: Number of vertices per section.
     """
     angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     side, up = np.cos(angle), np.sin(angle)
@@ -67,17 +67,17 @@ def loft(stations: Sequence[tuple[float, float, float]], *, around: int = AROUND
 
 
 def joined(*meshes: Mesh) -> Mesh:
-    """Several surfaces as one."""
+    """Merge several meshes into one."""
     shifts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + shift for mesh, shift in zip(meshes, shifts, strict=True)]
     return Mesh(vertices=np.vstack([mesh.vertices for mesh in meshes]), faces=np.vstack(faces))
 
 
 def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
-    """The mesh files, if there are none or one per module and all can be read.
+    """Return the paths of mesh files, after checking that there is none, or one readable file per module.
 
     Raises:
-        ValueError: If not.
+        ValueError: If the number of files is wrong, or a file is missing or of another type.
     """
     files = [Path(file) for file in meshes]
     if files and len(files) != n_links:
@@ -89,10 +89,10 @@ def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
 
 
 def copied(files: Sequence[Path], beside: Path) -> list[str]:
-    """Copy mesh files into a folder beside a model's file; what the model calls them.
+    """Copy mesh files into a folder next to a model's file, and return their paths relative to that file.
 
     Args:
-        files: Of the meshes.
+        files: The mesh files.
         beside: The model's file.
     """
     folder = beside.with_name(f"{beside.stem}_meshes")
@@ -101,26 +101,26 @@ def copied(files: Sequence[Path], beside: Path) -> list[str]:
         source = file.resolve()
         if source not in places:
             folder.mkdir(exist_ok=True)
-            name = f"{len(places)}_{file.name}"  # two folders may have files of the same name
+            name = f"{len(places)}_{file.name}"  # files in different folders may have the same name
             write(folder / name, source.read_bytes())
             places[source] = f"{folder.name}/{name}"
     return [places[file.resolve()] for file in files]
 
 
 def add_materials(model: Any) -> None:
-    """What the shapes are made of."""
+    """Add the materials of the shapes to a model."""
     for name, (color, shine) in MATERIALS.items():
         model.add_material(name=name, rgba=color, specular=shine, shininess=0.5 * shine + 0.2)
 
 
 def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) -> None:
-    """Put shapes on the bodies of a model.
+    """Add shapes to the bodies of a model.
 
     Args:
         model: A `MjSpec` with the robot's bodies.
-        robot: Whose they are.
-        files: A mesh file per module, or none for the shapes made here.
-        visuals: Whether there are shapes to see, besides those to collide with.
+        robot: The robot to which the bodies belong.
+        files: One mesh file per module, or none to use the shapes generated here.
+        visuals: Whether to add visual shapes in addition to the collision shapes.
     """
     library, kind = _Library(model), load_mujoco().mjtGeom
     for i, module in enumerate(robot.modules):
@@ -134,7 +134,7 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
             looks = {what: library.made(what, module, build) for what, build in parts(is_head=is_head).items()}
         for material, mesh in looks.items():
             body.add_geom(type=kind.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
-        if i and not files:  # the bellows in front of the joint on the tail side
+        if i and not files:  # the bellows over the joint on the tail side
             high, wide = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
             body.add_geom(type=kind.mjGEOM_ELLIPSOID, size=(wide, wide, high), material="bellows", **UNTOUCHED)
     if robot.caudal_fin is not None:
@@ -142,14 +142,14 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
 
 
 class _Library:
-    """The meshes of one model, each in it once."""
+    """The meshes of one model, each stored once."""
 
     def __init__(self, model: Any) -> None:
         self._model = model
         self._names: dict[object, str] = {}
 
     def made(self, kind: str, module: Module, build: Callable[[Module], Mesh]) -> str:
-        """The name of a shape that all modules of the same size share."""
+        """Return the name of a shape that all modules of the same size share."""
         key = kind, module.length, module.section
         if key not in self._names:
             self._names[key] = f"{kind}_{sum(kind in name for name in self._names.values())}"
@@ -159,7 +159,7 @@ class _Library:
         return self._names[key]
 
     def file(self, path: Path) -> str:
-        """The name of the mesh in a file."""
+        """Return the name of the mesh from a file."""
         key = path.resolve()
         if key not in self._names:
             self._names[key] = f"file_{len(self._names)}"
@@ -168,18 +168,18 @@ class _Library:
 
 
 def parts(*, is_head: bool) -> dict[str, Callable[[Module], Mesh]]:
-    """What a module is made of, by material."""
+    """Return the functions that build a module's parts, by material."""
     return {"head": head, "collar": collar} if is_head else {"housing": housing, "band": bands}
 
 
 def hull(module: Module) -> Mesh:
-    """The module as the models see it: an elliptic cylinder."""
+    """Return the module's shape in the models: an elliptic cylinder."""
     a, b = module.section.half_height, module.section.half_width
     return loft([(0.0, a, b), (module.length, a, b)], around=24)
 
 
 def housing(module: Module) -> Mesh:
-    """A row of housings with beveled ends, and the core that holds them together."""
+    """Return a row of housings with beveled ends, and the core that holds them together."""
     rings: list[tuple[float, float]] = []
     for start, stop in _housings(module):
         bevel = 0.08 * (stop - start)
@@ -188,12 +188,12 @@ def housing(module: Module) -> Mesh:
 
 
 def bands(module: Module) -> Mesh:
-    """A band around every housing."""
+    """Return a band around every housing."""
     return joined(*(_band(module, start, stop - start, 0.40, 0.62) for start, stop in _housings(module)))
 
 
 def head(module: Module) -> Mesh:
-    """A housing whose front is rounded."""
+    """Return a housing with a rounded front."""
     start, stop = 0.5 * min(GAP, 0.2 * module.length), module.length
     nose = min(NOSE * module.section.half_height, 0.75 * (stop - start))
     turns = np.linspace(0.0, 0.5 * np.pi, 15)
@@ -202,24 +202,24 @@ def head(module: Module) -> Mesh:
 
 
 def collar(module: Module) -> Mesh:
-    """The dark band around the head's neck."""
+    """Return the dark band around the neck of the head."""
     return _band(module, 0.0, module.length, 0.16, 0.26)
 
 
 def _band(module: Module, start: float, length: float, low: float, high: float) -> Mesh:
-    """A band around a housing, between two shares of its length [m]."""
+    """Return a band around a housing, between two fractions of its length [m]."""
     low, high = start + low * length, start + high * length
     return _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
 
 
 def _around(module: Module, rings: list[tuple[float, float]]) -> Mesh:
-    """A surface through sections at these places [m], each the module's own times a factor."""
+    """Return a surface through sections at these positions [m], each scaling the module's own by a factor."""
     a, b = module.section.half_height, module.section.half_width
     return loft([(x, scale * a, scale * b) for x, scale in rings])
 
 
 def _housings(module: Module) -> list[tuple[float, float]]:
-    """Where the housings of a module begin and end [m]: as many as have Mamba's proportions."""
+    """Return where the housings of a module begin and end [m]; their number follows Mamba's proportions."""
     n = max(1, round(module.length / (PITCH * module.section.half_height)))
     gap = min(GAP, 0.2 * module.length / n)
     pitch = module.length / n
@@ -227,33 +227,33 @@ def _housings(module: Module) -> list[tuple[float, float]]:
 
 
 class Box(NamedTuple):
-    """A part of the fin, in the frame of its piece."""
+    """A box-shaped part of the fin, in the frame of its piece."""
 
     half_size: tuple[float, float, float]
-    """[m]."""
+    """Half size along x, y and z [m]."""
     position: tuple[float, float, float]
-    """Of its middle [m]."""
+    """Position of its center [m]."""
 
 
 def plate(fin: CaudalFin, piece: Piece) -> Box | None:
-    """What is there of a piece of the fin behind the opening; None if nothing is."""
+    """Return the part of a piece of the fin that lies behind the opening, or None if there is none."""
     begin = max(_opening(fin), piece.begin)
     return _box(fin, piece, begin, piece.end, 0.0, 0.5) if begin < piece.end else None
 
 
 def rods(fin: CaudalFin, piece: Piece) -> list[Box]:
-    """The two that hold the plate, beside the opening."""
+    """Return a piece's part of the two rods that hold the plate, above and below the opening."""
     end = min(_opening(fin), piece.end)
     return [_box(fin, piece, piece.begin, end, 0.4 * sign, 0.06) for sign in (-1.0, 1.0) if piece.begin < end]
 
 
 def _opening(fin: CaudalFin) -> float:
-    """Length of the opening that is seen [m]: none if it is closed, or too short for a shape."""
+    """Return the visible length of the opening [m]: 0 if it is closed, or too short for a shape."""
     return 0.0 if fin.opening == "closed" or fin.opening_length < SHORTEST else fin.opening_length
 
 
 def _box(fin: CaudalFin, piece: Piece, begin: float, end: float, up: float, half: float) -> Box:
-    """From `begin` to `end` behind the root; `up` and `half` as shares of the fin's height."""
+    """Return the box from `begin` to `end` behind the root; `up` and `half` are fractions of the fin's height."""
     half_size = (0.5 * (end - begin), 0.5 * fin.thickness, half * fin.height)
     return Box(half_size, (piece.begin - 0.5 * (begin + end), 0.0, up * fin.height))
 

@@ -1,12 +1,12 @@
-"""The bodies of a robot, as all models and pictures have them: frames, joints, masses, and what is mounted on them.
+"""The bodies of a robot, as used in all models and pictures: frames, joints, masses and mounted effectors.
 
-Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at its tail end, x toward the
-head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
+Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at the tail end, with x toward
+the head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
 (pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
 positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is
-driven. If it bends, piece k of it is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
-The frame of each piece is at its head end, x toward the head. The fin's angles count as those of the body do: positive
-ones turn what is behind the hinge to the right.
+driven. If it bends, its piece k is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
+The frame of each piece is at its head end, with x toward the head. Fin angles have the same sign convention as those of
+the body: positive angles turn the part behind the hinge to the right.
 """
 
 from typing import NamedTuple
@@ -17,49 +17,49 @@ from laticauda.scenarios import Model, Spatial
 
 Three = tuple[float, float, float]
 AXES: dict[str, Three] = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}
-FIN_AXIS = (0.0, 0.0, -1.0)  # its bodies hang behind their hinges, those of the body ahead
+FIN_AXIS = (0.0, 0.0, -1.0)  # fin bodies lie behind their hinges, modules ahead of theirs
 
 
 class Body(NamedTuple):
-    """One body."""
+    """One body of a robot."""
 
     name: str
-    """See above."""
+    """Name; see the module's docstring."""
     parent: str
-    """The body that it hangs on; "" for module 0."""
+    """Parent body; "" for module 0."""
     position: Three
-    """Of its frame in the parent's [m]."""
+    """Origin of its frame in the parent's frame [m]."""
     part: Module | Piece
-    """What it is."""
+    """Module or piece of the fin that it represents."""
     mass: float
-    """[kg]."""
+    """Mass [kg]."""
     center: float
-    """Of mass, on its x axis [m]."""
+    """Center of mass on its x axis [m]."""
     inertia: Three
-    """Moments about axes through it [kg m^2]."""
+    """Moments of inertia about axes along x, y and z through the center of mass [kg m^2]."""
     joint_name: str = ""
-    """Of the joint at its origin; "": it is fixed, or the root."""
+    """Name of the joint at its origin; "" if it is fixed or the root."""
     joint: Joint | Hinge | None = None
-    """That joint: one that is driven, or a passive hinge."""
+    """That joint, driven or a passive hinge; None if there is none."""
     axis: Three = FIN_AXIS
-    """About which it turns."""
+    """Axis of rotation of the joint."""
 
 
 class Mount(NamedTuple):
-    """Where a thruster or a pectoral fin sits."""
+    """Mounting pose of a thruster or a pectoral fin."""
 
     name: str
-    """`thruster_k` or `pectoral_fin_k`."""
+    """Name: `thruster_k` or `pectoral_fin_k`."""
     body: str
-    """On which."""
+    """Body on which it is mounted."""
     position: Three
-    """In the body's frame [m]."""
+    """Position in the body's frame [m]."""
     orientation: tuple[float, float, float, float]
-    """Its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
+    """Orientation of its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
 
 
 def bodies(robot: Robot) -> list[Body]:
-    """All bodies, parents first: the modules from the tail on, then the fin from its root on."""
+    """Return all bodies, parents first: the modules from the tail, then the fin from its root."""
     found: list[Body] = []
     for i, module in enumerate(robot.modules):
         joint = robot.joints[i - 1] if i else None
@@ -81,7 +81,7 @@ def bodies(robot: Robot) -> list[Body]:
 
 
 def fin_bodies(fin: CaudalFin) -> list[Body]:
-    """Those of a fin, from its root on."""
+    """Return the bodies of a fin, starting at its root."""
     found: list[Body] = []
     parent, behind = "module_0", 0.0
     for k, piece in enumerate(fin.pieces):
@@ -105,7 +105,7 @@ def fin_bodies(fin: CaudalFin) -> list[Body]:
 
 
 def mounts(robot: Robot) -> list[Mount]:
-    """Where its thrusters and pectoral fins are."""
+    """Return the mounts of the robot's thrusters and pectoral fins."""
     return [
         Mount(
             f"{kind}_{k}",
@@ -119,22 +119,22 @@ def mounts(robot: Robot) -> list[Mount]:
 
 
 def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, float]:
-    """Turned about z, tilted, rolled about x, and a fin deflected about its own z at last."""
+    """Return the orientation: rotation about z, tilt, roll about x and, for a fin, deflection about its own z."""
     turned = turn("yaw", one.angle) @ turn("pitch", -one.elevation) @ turn("roll", one.roll)
     return to_quaternion(turned @ turn("yaw", getattr(one, "deflection", 0.0)))
 
 
 def center_of_mass(robot: Robot) -> float:
-    """Center of mass of the straight robot from its tail end, on its axis [m]."""
+    """Return the center of mass of the straight robot on its axis, measured from the tail end [m]."""
     return -float(levers(robot).end[0].sum())
 
 
 def ballast_of(robot: Robot, model: Model | None) -> float:
-    """How far the modules' centers of mass lie below their axes in a model [m].
+    """Return how far the modules' centers of mass lie below their axes in a model [m].
 
     Args:
-        robot: What swims.
-        model: By which it swims; None, and the planar one: nothing is said of it.
+        robot: The robot.
+        model: Model of the robot; None and the planar model give 0.
     """
     if not isinstance(model, Spatial) or not model.gravity:
         return 0.0
@@ -143,15 +143,15 @@ def ballast_of(robot: Robot, model: Model | None) -> float:
 
 
 def moments(vertical: float, across: float, above: float) -> Three:
-    """Moments of inertia of a body about its x, y and z axis, of which z has to be exact [kg m^2].
+    """Return the moments of inertia of a body about x, y and z, of which the last is exact [kg m^2].
 
-    With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the robot's own, s_y and
-    s_z are those of the body's section, and s_x is what is left for it. So a robot that is planar in its numbers (thin
-    rods) still has the roll and the pitch of its section, and no combination of numbers is an impossible body.
+    With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the robot's own value, s_y
+    and s_z are those of the body's section, and s_x is the remainder. A robot with planar parameters (thin rods) thus
+    still has the roll and pitch inertia of its section, and no combination of values gives an impossible body.
 
     Args:
         vertical: I_z [kg m^2].
-        across: s_y of the section; at most half of I_z counts [kg m^2].
+        across: s_y of the section, capped at half of I_z [kg m^2].
         above: s_z of the section [kg m^2].
     """
     across = min(across, 0.5 * vertical)
@@ -165,5 +165,5 @@ def _module_inertia(module: Module) -> Three:
 
 def _piece_inertia(fin: CaudalFin, piece: Piece) -> Three:
     m = piece.mass
-    rod = m * piece.length**2 / 12.0  # as the planar model has it
+    rod = m * piece.length**2 / 12.0  # as in the planar model
     return moments(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)

@@ -1,7 +1,7 @@
-"""How the joints of a robot in MuJoCo are driven: the reference generator, the joint laws, and the work they do.
+"""Joint drives of a robot in MuJoCo: the reference generator, the joint laws, and the work that they do.
 
 The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C command, J joints, R
-the reference with its two derivatives, U torques; what stands where is in `rows`. A template (see `templates`).
+reference with its two derivatives, U torques; `rows` defines their layout. This is a template (see `templates`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -37,7 +37,7 @@ law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 @kernel
 def advance_reference(X, C, J, R, dt):
-    """Move the generator on by dt and set the reference there."""
+    """Advance the generator by dt and set the reference."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
     for G, A in ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:])):
@@ -49,7 +49,7 @@ def advance_reference(X, C, J, R, dt):
 
 @kernel
 def set_reference(X, C, J, R):
-    """phi_ref of every driven joint and its derivatives, three rows of R; each wave moves joints of its own."""
+    """Set phi_ref of every driven joint and its derivatives, three rows of R; each wave moves its own joints."""
     ramp = smooth_start(X[TIME], C[RAMP])
     set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
     set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
@@ -81,7 +81,7 @@ def add_recorded(time, C, T, J, R):
 
 @kernel
 def set_wave(X, C, w, ramp, wave, J, R):
-    """The reference of the joints that one wave moves."""
+    """Set the reference of the joints that one wave moves."""
     motion = wave_motion(wave_of(X), target_of(C), w, ramp)
     k = 0.0
     for i in range(J.shape[0]):
@@ -93,14 +93,14 @@ def set_wave(X, C, w, ramp, wave, J, R):
 
 @kernel
 def actuator(C, J, i, angle, rate, R):
-    """Torque of a free joint's actuator, and its slopes."""
+    """Return the torque of a free joint's actuator and its slopes."""
     motion = angle, rate, R[0, i], R[1, i], R[2, i]
     return by_law(J[i, LAW], motion, drive_of(J[i]), law_numbers(C))
 
 
 @kernel
 def count_work(N, X, C, J, U, P, qvel, dt):
-    """The work since the last step by the trapezoidal rule; P keeps the powers."""
+    """Add the work since the last step by the trapezoidal rule; P stores the powers."""
     nv = N[N_BASE_QVEL]
     absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
     for i in range(J.shape[0]):

@@ -1,7 +1,7 @@
-"""A robot's links as frames, as ROS has them: what its URDF calls them, and where they are.
+"""The links of a robot as frames, as in ROS: their names in the URDF and their poses.
 
-Frames hang on each other as links do in the URDF, `module_0` in the world; `spatial.bodies` says where each has its
-origin. Viewers draw the robot by both.
+The frames form the same tree as the links of the URDF, with `module_0` in the world; `spatial.bodies` defines their
+origins. Viewers draw the robot from the URDF and the poses.
 """
 
 from typing import TypeAlias
@@ -22,11 +22,11 @@ Angles: TypeAlias = Float[np.ndarray, "n_samples _n_joints"]
 
 
 class Frames:
-    """The frames of one robot; a frame is the name of its parent, a position [m] and an orientation (w, x, y, z) [-].
+    """The frames of one robot, each with its parent's name, a position [m] and an orientation (w, x, y, z) [-].
 
     Args:
-        robot: With all of its modules, not reduced to the plane.
-        model: By which it swims, if that is known: it says where the modules have their ballast.
+        robot: The robot with all of its modules, not reduced to the plane.
+        model: Model of the robot, if known; it determines the depth of the modules' ballast.
     """
 
     def __init__(self, robot: Robot, model: Model | None = None) -> None:
@@ -34,7 +34,7 @@ class Frames:
         self._bodies = bodies(robot)
         still = {one.name: (one.parent, one.position, UNTURNED) for one in self._bodies if not one.joint and one.parent}
         self.fixed = still | {one.name: (one.body, one.position, one.orientation) for one in mounts(robot)}
-        """Those that cannot move against their parent: a fin without a joint, thrusters, pectoral fins."""
+        """Frames that are fixed to their parent: a fin without a joint, thrusters, pectoral fins."""
 
     def moving(
         self,
@@ -43,13 +43,13 @@ class Frames:
         joint_angle: Angles,
         fin_angle: Angles,
     ) -> dict[str, tuple[str, Places, Turns]]:
-        """All others at some moments.
+        """Return all other frames at the given samples.
 
         Args:
-            center_of_mass: Of the robot with its fin; in the plane it is at the height 0 [m].
-            orientation: Of the tail module, as a quaternion [-].
-            joint_angle: Of all joints, or of the yaw joints alone, where the others are straight [rad].
-            fin_angle: Of the joints of the fin, from its root on [rad].
+            center_of_mass: Center of mass of the robot with its fin; a planar one is at the height 0 [m].
+            orientation: Orientation of the tail module, as a quaternion [-].
+            joint_angle: Angles of all joints, or of the yaw joints only if the others are straight [rad].
+            fin_angle: Angles of the fin's joints, starting at its root [rad].
         """
         robot, n = self.robot, len(center_of_mass)
         is_whole = joint_angle.shape[1] == robot.n_joints

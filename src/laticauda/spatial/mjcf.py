@@ -1,8 +1,8 @@
-"""A Robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the place that it is in.
+"""A Robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the surroundings.
 
-Bodies and joints are those of `spatial.bodies`; the robot's masses and numbers are exactly there.
+Bodies and joints are those of `spatial.bodies`, with exactly the masses and parameters of the robot.
 
-World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In both the robot begins straight along x with
+World axes: z = 0 is the surface in water, and the ground on land. In both cases the robot starts straight along x with
 its tail end at x = y = 0.
 """
 
@@ -20,7 +20,7 @@ from laticauda.spatial.bodies import bodies, mounts
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")
 TIMESTEP = 2e-3  # [s]
-# Where a robot starts whose water gives no depth: far from surface and floor [m].
+# Initial depth of a robot if its water specifies none: far from surface and floor [m].
 DEPTH = 0.5
 
 
@@ -36,35 +36,35 @@ def spec(
     ballast_depth: float | None = None,
     meshes: Iterable[str | Path] = (),
 ) -> Any:
-    """A robot, and the place that it is in, as a MuJoCo model to compile, change or write to a file.
+    """Return a robot and its surroundings as a MuJoCo model to compile, modify or write to a file.
 
-    The water's loads are not in it: MuJoCo's own fluid model is off, see `laticauda.mujoco_water`. The skin of the
-    joints is, as stiffness and damping of the joints.
+    The water's loads are not included: MuJoCo's own fluid model is off; see `laticauda.mujoco_water`. The skin of the
+    joints is included as their stiffness and damping.
 
     Args:
-        robot: What swims.
+        robot: The robot.
         environment: The water it swims in or the ground it crawls on.
-        root: How module 0 is held: not at all (joint `root`), or with its height and its tilt fixed (joints `root_x`,
+        root: How module 0 is held: `free` (joint `root`), or `planar`, with fixed height and tilt (joints `root_x`,
             `root_y` and `root_yaw`).
-        actuators: `servo` puts an actuator `servo_i` on every joint, with the angle wanted [rad] as its input, and
-            `fin_servo` on that of a driven fin.
-        sensors: Sensors as the real robot has them: `joint_angle_i` and `joint_rate_i`; per module `acceleration_i`,
-            and `force_i` and `torque_i` between it and the module on its tail side; `fin_angle` and `fin_rate` of a
-            driven fin.
-        visuals: Shapes and colors of the robot and the light on it. Without them it has its collision shapes only.
-        scene: What is around it, see `Scene.of`. None: flat ground at z = 0 where the environment is ground, else
+        actuators: `servo` adds an actuator `servo_i` to every joint, with the desired angle [rad] as its input, and
+            `fin_servo` to the joint of a driven fin.
+        sensors: Whether to add the sensors of the real robot: `joint_angle_i` and `joint_rate_i`; `acceleration_i` per
+            module, and `force_i` and `torque_i` between the module and its neighbor on the tail side; `fin_angle` and
+            `fin_rate` of a driven fin.
+        visuals: Whether to add shapes and colors of the robot, beyond the collision shapes.
+        scene: Surroundings of the robot; see `Scene.of`. None: flat ground at z = 0 if the environment is ground, else
             nothing.
-        ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as far as in a simulation
-            (`Spatial.ballast_depth`) for a free root, else on them.
-        meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters, to see and, as its
-            convex hull, to collide with; none takes the shapes that come with laticauda.
+        ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as in a simulation
+            (`Spatial.ballast_depth`) for a free root, else 0.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters, for display and, as
+            its convex hull, for collision; if empty, the shapes provided by laticauda are used.
 
     Returns:
         A `mujoco.MjSpec`.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
-        ValueError: If an argument is out of its range, or robot and environment do not fit together.
+        ValueError: If an argument is out of range, or robot and environment are incompatible.
     """
     instance("robot", robot, Robot)
     one_of("root", root, ROOTS)
@@ -92,19 +92,19 @@ def spec(
 def write_mjcf(
     path: str | Path, robot: Robot, environment: Environment, *, meshes: Iterable[str | Path] = (), **options: Any
 ) -> None:
-    """Write a robot and its place to an MJCF file that plain MuJoCo opens; mesh files are copied beside it.
+    """Write a robot and its surroundings as an MJCF file for plain MuJoCo, with copies of mesh files next to it.
 
     Args:
-        path: The file (.xml); an older one is replaced.
-        robot: What swims.
+        path: The file (.xml); an existing file is replaced.
+        robot: The robot.
         environment: The water it swims in or the ground it crawls on.
-        meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters; none takes the shapes
-            that come with laticauda.
-        options: Of `spec`.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters; if empty, the shapes
+            provided by laticauda are used.
+        options: Further arguments of `spec`.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of range.
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
@@ -116,35 +116,35 @@ def write_mjcf(
         for mesh in model.meshes:
             if mesh.file:
                 mesh.file = names[Path(mesh.file)]
-    model.compile()  # MuJoCo writes what it has checked
+    model.compile()  # MuJoCo writes compiled models only
     write(path, model.to_xml())
 
 
 def prefix(k: int) -> str:
-    """What the names of the k-th robot of a model begin with; those of the first, 0, are its own."""
+    """Return the prefix of names of the k-th robot in a model; it is empty for the first robot, k = 0."""
     return f"robot_{k}_" if k else ""
 
 
 def add_robot(model: Any, alone: Any, k: int) -> None:
-    """Put a further robot into a model, where it stands in its own.
+    """Add another robot to a model, at its pose in its own model.
 
     Args:
         model: A `MjSpec`.
-        alone: Another one, with that robot.
-        k: Its number, from 1 on; see `prefix`.
+        alone: The `MjSpec` of that robot alone.
+        k: Number of that robot, starting at 1; see `prefix`.
     """
     model.worldbody.add_frame().attach_body(alone.body("module_0"), prefix(k), "")
 
 
 def start_height(robot: Robot, environment: Environment, scene: Scene | None = None, root: str = "free") -> float:
-    """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground.
+    """Return the robot's initial height in the model [m]: with its axis at the water's depth, or on the ground.
 
-    In a flow, what cannot leave its plane is at the surface if the water gives no depth, as in the planar model.
+    In a flow, a robot with a planar root is at the surface if the water specifies no depth, as in the planar model.
 
     Args:
-        robot: What swims.
+        robot: The robot.
         environment: The water it swims in or the ground it crawls on.
-        scene: What is around it.
+        scene: Surroundings of the robot.
         root: How module 0 is held.
     """
     if isinstance(environment, Water) and (scene is None or scene.ground is None):
@@ -158,7 +158,7 @@ def start_height(robot: Robot, environment: Environment, scene: Scene | None = N
 
 
 def _empty(robot: Robot) -> Any:
-    """A model with nothing in it, in SI units and radians, without MuJoCo's own water."""
+    """Return an empty model in SI units and radians, without MuJoCo's own fluid."""
     model = load_mujoco().MjSpec()
     model.modelname = robot.name
     model.compiler.degree = False
@@ -168,7 +168,7 @@ def _empty(robot: Robot) -> Any:
 
 
 def _add_bodies(model: Any, robot: Robot, height: float, root: str, ballast: float) -> None:
-    """All bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
+    """Add all bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
     kind = load_mujoco().mjtJoint
     for one in bodies(robot):
         parent = model.body(one.parent) if one.parent else model.worldbody
@@ -221,9 +221,9 @@ def _add_sensors(model: Any, robot: Robot) -> None:
 
 
 def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
-    """The law `actuation.laws.servo`: its clipped duty in the actuator, the rest of its terms in the joint.
+    """Add the law `actuation.laws.servo`: its clipped duty in the actuator, its other terms in the joint.
 
-    Dry friction is MuJoCo's own there, a constraint instead of a steep function of the rate.
+    Dry friction is MuJoCo's own, a constraint instead of a steep function of the rate.
     """
     motor = joint.actuator
     actuator = model.add_actuator(name=name, target=target)
@@ -239,5 +239,5 @@ def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
 
 
 def _linear(coefficient: float) -> tuple[float, float, float]:
-    """A stiffness or damping as MuJoCo wants it: the coefficients of a polynomial."""
+    """Return a stiffness or damping as the polynomial coefficients that MuJoCo expects."""
     return coefficient, 0.0, 0.0

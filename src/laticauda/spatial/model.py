@@ -1,4 +1,4 @@
-"""The robot in space as a `Plant`: MuJoCo with the water of `laticauda.mujoco_water`."""
+"""The three-dimensional robot as a `Plant`: MuJoCo with the water of `laticauda.mujoco_water`."""
 
 import math
 import warnings
@@ -22,20 +22,20 @@ from laticauda.spatial import rows, water_robot
 from laticauda.spatial.scene import check_free
 from laticauda.spatial.twin import Twin, land_of
 
-CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
+CONTACT_SHARE = 2.0  # step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8
 Given = tuple[np.ndarray, np.ndarray, list[Element]]
-NO_STEP = 1e-9  # s; with so small a step, the joint laws are not implicit
+NO_STEP = 1e-9  # s; at so small a step the joint laws are not implicit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpatialPlant(Plant[Spatial]):
-    """A robot in MuJoCo: its modules in three dimensions, joints prescribed or driven by a law.
+    """A robot in MuJoCo: three-dimensional modules, with joints prescribed or driven by a law.
 
-    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.
+    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without that wave they are held straight.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
-        ValueError: If settings, robot and environment do not fit together.
+        ValueError: If settings, robot and environment are incompatible.
     """
 
     settings: Spatial = Spatial()  # noqa: RUF009 - frozen
@@ -49,7 +49,7 @@ class SpatialPlant(Plant[Spatial]):
     )
 
     def __post_init__(self) -> None:
-        """Choose a root, refuse what does not go together, and fill in what the settings leave open."""
+        """Choose a root, reject incompatible settings, and fill in those left open."""
         settings, on_ground = self.settings, isinstance(self.environment, Ground)
         if settings.root is None:
             root = "free" if any(joint.axis == "pitch" for joint in self.robot.joints) else "planar"
@@ -69,11 +69,11 @@ class SpatialPlant(Plant[Spatial]):
         return self._twin.model
 
     def data(self, state: PlantState) -> Any:
-        """A `mujoco.MjData` at `state`, to look at or to render; its own, not the plant's."""
+        """Return a new `mujoco.MjData` at `state`, for inspection or rendering, separate from the plant's own."""
         return self._twin.data([state.values])
 
     def init(self, start: Start, command: Command) -> PlantState:
-        """Straight, the generator at the commanded gait, its offset building up from zero."""
+        """Return the straight robot's state, with the generator at the commanded gait and its offset still zero."""
         instance("start", start, Start)
         instance("command", command, Command)
         twin = self._twin
@@ -87,7 +87,7 @@ class SpatialPlant(Plant[Spatial]):
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         axes = turn("yaw", start.heading) @ turn("pitch", start.pitch) @ turn("roll", start.roll)
-        # The first two speeds of either root are those along x and y.
+        # The first two velocities of either root are those along x and y.
         speed = values[rows.STATE_ROWS + twin.n_qpos :]
         x, y, _ = axes @ twin.center
         if self.settings.root == "planar":
@@ -104,7 +104,7 @@ class SpatialPlant(Plant[Spatial]):
         return state
 
     def _level(self, start: Start, x: float, y: float) -> float:
-        """Height of the axis of a robot whose tail end is at x, y [m]: in its depth, or on the highest ground there."""
+        """Return the axis height of a robot with its tail end at x, y [m]: at its depth, or on the highest ground."""
         scene, twin = self.settings.scene or Scene(), self._twin
         if start.depth is not None:
             return scene.level - start.depth
@@ -116,7 +116,7 @@ class SpatialPlant(Plant[Spatial]):
         return twin.height - scene.terrain.at(0.0, 0.0)[0] + highest
 
     def observe(self, state: PlantState) -> Observation:
-        """What can be seen of a state."""
+        """Return the observation of a state."""
         sample = self._as_it_is(state)
         pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
         seen = {name: value[0] for name, value in self._seen(sample).items()}
@@ -125,7 +125,7 @@ class SpatialPlant(Plant[Spatial]):
         return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
     def in_current(self, current: Sequence[float] | Flow) -> "SpatialPlant":
-        """The same in other water; they share a model in MuJoCo, so one of them marches at a time.
+        """Return this plant in other water; both share a MuJoCo model, so only one of them advances at a time.
 
         Args:
             current: Velocity of the water along x and y [m/s], or a flow.
@@ -137,7 +137,7 @@ class SpatialPlant(Plant[Spatial]):
             current = current[0], current[1], before.uniform[2]
         now = replace(before, current=current)
         other = replace(self, environment=now)
-        if bool(now.flow) == bool(before.flow):  # else it may lie elsewhere
+        if bool(now.flow) == bool(before.flow):  # otherwise the robot may be at another height
             vars(other)["_twin"] = self._twin
         return other
 
@@ -157,7 +157,7 @@ class SpatialPlant(Plant[Spatial]):
     def _stable_step(self) -> float:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            # A step at which the drag is well resolved, not only stable.
+            # A step that resolves the drag well and is not merely stable.
             limit = 0.5 * water.stable_step(self._twin.model, self._twin.water.elements, 0.5)
         contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
         if contacts:
@@ -167,7 +167,7 @@ class SpatialPlant(Plant[Spatial]):
         return min(limit, ELASTIC_DT) if self.is_implicit else limit
 
     def _rows(self, command: Command) -> Given:
-        """The command, the joints' parameters and the effectors for the kernel."""
+        """Return the command, the joint parameters and the effectors for the kernel."""
         self._check(command)
         given, joints, effectors = self._let_go()
         if (robot := command.effectors(self.robot)) is not self.robot:
@@ -191,7 +191,7 @@ class SpatialPlant(Plant[Spatial]):
         return given, joints, effectors
 
     def _let_go(self) -> Given:
-        """The same without a command: no reference takes the joints to where it would have them."""
+        """Return the kernel's inputs without a command, so that no reference moves the joints."""
         given = np.zeros(rows.COMMAND_ROWS)
         given[rows.BANDWIDTH], given[rows.RAMP] = self.settings.offset_bandwidth, self.ramp
         numbers = self.joints.numbers
@@ -199,7 +199,7 @@ class SpatialPlant(Plant[Spatial]):
         return given, self._twin.joints.copy(), water_robot.mounted_elements(self.robot, self.environment)
 
     def _check(self, command: Command) -> None:
-        """Refuse what the robot cannot do."""
+        """Reject a command that the robot cannot follow."""
         gait = command.gait if command.pitch_offset == 0.0 else command.steered
         check_waves(self.robot, gait)
         if gait.pitch is not None and self.settings.root == "planar":
@@ -211,7 +211,7 @@ class SpatialPlant(Plant[Spatial]):
         return self._go(self._begun(state, command), self._rows(command), n_intervals * every, dt, every)
 
     def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
-        """Advance a copy of a state vector, and log it."""
+        """Advance a copy of a state vector and log it."""
         values = values.copy()
         return values, self._twin.run([values], [given], steps, dt, every, self.environment)
 
@@ -224,13 +224,13 @@ class SpatialPlant(Plant[Spatial]):
     def _link_forces(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
     ) -> np.ndarray:
-        """Buoyancy is in none of them. The march is done once more, sample by sample, and stopped to look at each."""
+        """Return forces without buoyancy, by repeating the run sample by sample and evaluating the forces at each."""
         force = np.zeros((3, len(samples), self.robot.n_links, 3))
         values, given = self._begun(state, command), self._rows(command)
         for sample in range(len(samples)):
             if sample:
                 values, _ = self._go(values, given, every, dt, every)
-            with self._twin.lock:  # another thread's march would leave it somewhere else
+            with self._twin.lock:  # a run in another thread would change the twin's state
                 self._go(values, given, 0, NO_STEP, 1)
                 force[:, sample] = self._twin.forces()
         return force
@@ -250,7 +250,7 @@ class SpatialPlant(Plant[Spatial]):
         }
 
     def _contact(self, samples: np.ndarray) -> np.ndarray:
-        """Force of all contacts on every link of every sample, in a scene [N]."""
+        """Return the total contact force on every link at every sample, in a scene [N]."""
         n = self.robot.n_links
         return samples[:, -3 * n :].reshape(len(samples), n, 3)
 

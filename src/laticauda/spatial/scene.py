@@ -1,9 +1,9 @@
-"""What is around the robot: the scenes that come with the package, and how a scene gets into a model.
+"""Surroundings of the robot: the scenes provided by the package, and how a scene is added to a model.
 
-A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches what is there by MuJoCo's
-contacts. Only the ground is taken by the robot's elements instead (`laticauda.mujoco_water.ground`), where a `Ground`
-says how it rubs along and across the robot: that of the scene, or the environment. A scene's ground are its geoms
-that are called as in `GROUNDS`.
+A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches its objects through MuJoCo's
+contacts. Only the ground acts on the robot's elements instead (`laticauda.mujoco_water.ground`) where a `Ground`, that
+of the scene or the environment, defines the friction along and across the robot. The ground of a scene consists of its
+geoms with the names in `GROUNDS`.
 """
 
 import math
@@ -22,24 +22,24 @@ from laticauda.spatial.bodies import Three
 
 Quaternion = tuple[float, float, float, float]
 
-# The tank at Trondheim in which the paper's robot swam [m].
+# Size of the tank in Trondheim in which the paper's robot swam [m].
 TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
 WALL = 0.1  # half thickness [m]
-DEEPEST = 2e-3  # how deep a robot may begin in something [m]
+DEEPEST = 2e-3  # maximum initial penetration of a robot [m]
 THICK = 0.2  # half thickness of the ground's boxes [m]
-FAR = 12.0  # how long ground is that has no end of its own [m]
-STAVES = 24  # of a pipe
-SURFACE = "water"  # to be seen only
+FAR = 12.0  # length of ground that is not bounded otherwise [m]
+STAVES = 24  # number of staves of a pipe
+SURFACE = "water"  # visual only
 GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
 SKIN = Ground(name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
-# Red, green, blue, opacity, by how names begin.
+# Red, green, blue and opacity, by prefix of the name.
 COLORS = {"water": (0.30, 0.65, 0.75, 0.22), "wall": (0.80, 0.88, 0.90, 0.25), "peg": (0.85, 0.78, 0.35, 1.0)}
 SAND = (0.66, 0.60, 0.48, 1.0)
 
 
 @value
 class Pegs(Scene):
-    """A field of upright pegs in rows along x, with a way for a straight robot between the two middle ones."""
+    """A field of upright pegs in rows along x, with a passage for a straight robot between the two middle rows."""
 
     spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.5)
     gap: float = quantity("m", "From row to row", gt=0.0, default=0.35)
@@ -62,7 +62,7 @@ class Pegs(Scene):
 
 @value
 class Slope(Scene):
-    """Flat ground, and from an edge on a slope along x, up or down."""
+    """Flat ground that continues from an edge as a slope along x, up or down."""
 
     height: float = quantity("m", "Height of the flat ground", default=0.0)
     edge: float = quantity("m", "x at which the slope begins", default=1.5)
@@ -70,7 +70,7 @@ class Slope(Scene):
     bottom: float = quantity("m", "Height of the floor at the foot of a slope that leads down", default=-TANK_DEPTH)
 
     def __post_init__(self) -> None:
-        """Refuse a floor above the ground that leads down to it."""
+        """Reject a floor that is not below the ground from which the slope leads down."""
         if self.angle < 0.0 and self.bottom >= self.height:
             raise BadArgument("bottom", f"must be < `height` = {self.height:g} m, got {self.bottom:g}")
 
@@ -84,7 +84,7 @@ class Slope(Scene):
         sin, cos, width = math.sin(self.angle), math.cos(self.angle), 0.5 * FAR
         length = (self.bottom - self.height) / sin if sin < 0.0 else FAR
         flat = (self.edge - 0.5 * FAR, 0.0, self.height - THICK)
-        # The middle of the slope's face, then half a thickness into the ground.
+        # From the middle of the slope's face, half a thickness into the ground.
         x, z = self.edge + 0.5 * length * cos + THICK * sin, self.height + 0.5 * length * sin - THICK * cos
         turned = (math.cos(0.5 * self.angle), 0.0, -math.sin(0.5 * self.angle), 0.0)
         solid(spec, "shore", "BOX", (0.5 * FAR, width, THICK), flat)
@@ -95,7 +95,7 @@ class Slope(Scene):
 
 @value
 class Shore(Slope):
-    """A shore above the water, on which the robot begins, and a slope down into it."""
+    """A shore above the water, on which the robot starts, and a slope down into the water."""
 
     height: float = quantity("m", "Height of the flat ground", default=0.10)
     edge: float = quantity("m", "x at which the slope begins", default=2.5)
@@ -116,7 +116,7 @@ class HeightField(Scene):
     middle: tuple[float, float] = quantity("m", "x and y of its middle", default=(3.0, 0.0))
 
     def __post_init__(self) -> None:
-        """Refuse what is no grid."""
+        """Reject heights that do not form a grid."""
         rows = self.heights or ((0.0, 0.0),) * 2
         if len(rows) < 2 or len({len(row) for row in rows} - {0, 1}) != 1:
             raise BadArgument("heights", "must have two rows of two numbers at least, all of the same length")
@@ -149,7 +149,7 @@ class HeightField(Scene):
 
 @value
 class Pipe(Scene):
-    """A pipe to swim through, or around; its axis is along x unless it is tilted."""
+    """A pipe to swim through or around, with its axis along x unless tilted."""
 
     bore: float = quantity("m", "Its inner radius", gt=0.0, default=0.35)
     length: float = quantity("m", "From end to end", gt=0.0, default=8.0)
@@ -173,11 +173,11 @@ class Pipe(Scene):
 class Tank(Scene):
     """The tank of the experiments: 40 m x 6.45 m, 1.5 m deep, with its floor and walls."""
 
-    dt: ClassVar[float] = math.inf  # its walls are far
+    dt: ClassVar[float] = math.inf  # its walls are far away
     wet: ClassVar[bool] = True
 
     def __call__(self, spec: Any) -> None:
-        """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
+        """Add floor and walls around the middle of the world, with the water surface at z = 0."""
         x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
         solid(spec, "floor", "PLANE", (x, y, 1.0), (0.0, 0.0, -TANK_DEPTH))
         solid(spec, "wall_left", "BOX", (x, WALL, z), (0.0, y + WALL, -z))
@@ -188,7 +188,7 @@ class Tank(Scene):
 
 @value
 class Mjcf(Scene):
-    """What an MJCF file holds: its bodies, with their joints, and what they are made of; its options do not count."""
+    """Contents of an MJCF file: its bodies with their joints and assets; its options are ignored."""
 
     file: str = option("The file (.xml), which has to be there whenever the scenario runs")
 
@@ -199,7 +199,7 @@ class Mjcf(Scene):
 
 @value
 class Edited(Scene):
-    """What a function of one's own makes of a `mujoco.MjSpec`; a file keeps its name only: write a class for more."""
+    """A user-defined function that edits a `mujoco.MjSpec`; a file stores only its name: write a class for more."""
 
     edit: Callable[[Any], None] = option("f(spec)")
 
@@ -214,10 +214,10 @@ class Edited(Scene):
 
 
 def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: bool) -> None:
-    """Put the place into a model that has its robots; arguments as for `mjcf.spec`.
+    """Add the surroundings to a model that already has its robots; arguments as for `mjcf.spec`.
 
     Raises:
-        ValueError: If the scene does not go with the environment, or is none that MuJoCo can work with.
+        ValueError: If the scene is incompatible with the environment, or MuJoCo rejects it.
     """
     if isinstance(environment, Ground) and (scene is None or scene.terrain is None):
         solid(model, "ground", "PLANE", (0.0, 0.0, 1.0))
@@ -234,15 +234,15 @@ def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: b
 def solid(
     where: Any, name: str, kind: str, size: Three, pos: Three = (0.0, 0.0, 0.0), quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
 ) -> Any:
-    """Add a geom that the robot touches.
+    """Add a geom that the robot can touch.
 
     Args:
         where: A `mujoco.MjSpec`, or a body of one.
-        name: What messages and pictures call it.
-        kind: Its shape, as MuJoCo calls it: BOX, PLANE and the like.
-        size: As MuJoCo wants it [m].
-        pos: Of its middle [m].
-        quat: Which way it is turned [-].
+        name: Its name in messages and pictures.
+        kind: Its type in MuJoCo, such as BOX or PLANE.
+        size: Its size as defined by MuJoCo [m].
+        pos: Position of its center [m].
+        quat: Its orientation, as a quaternion [-].
     """
     body = getattr(where, "worldbody", where)
     shape = getattr(load_mujoco().mjtGeom, f"mjGEOM_{kind}")
@@ -252,7 +252,7 @@ def solid(
 
 @contextmanager
 def blamed() -> Generator[None]:
-    """Within it, what MuJoCo complains of becomes a sentence about the scene: the robot alone is none of it."""
+    """Turn errors of MuJoCo within this context into errors about the scene; the robot alone causes none."""
     try:
         yield
     except ValueError as error:
@@ -261,12 +261,12 @@ def blamed() -> Generator[None]:
 
 
 def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
-    """Refuse a start at which a robot is inside something.
+    """Reject a start at which a robot is inside another object.
 
     Args:
         model: A `mujoco.MjModel` with a scene.
-        data: A `mujoco.MjData` at the start, with its kinematics.
-        robots: Numbers of the robots' bodies.
+        data: A `mujoco.MjData` at the start, with computed kinematics.
+        robots: IDs of the robots' bodies.
     """
     load_mujoco().mj_collision(model, data)
     for touch in data.contact[: data.ncon]:

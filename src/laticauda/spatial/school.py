@@ -1,4 +1,4 @@
-"""Several robots in space: a school, which shares a few models in MuJoCo, one for every thread; or all in one model."""
+"""Several robots in space: a school that shares a few MuJoCo models, one per thread, or all robots in one model."""
 
 # pyright: reportPrivateUsage=false
 
@@ -19,7 +19,7 @@ WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, ph
 
 
 class School(school.School[model.SpatialPlant]):
-    """Robots in space, whose marches let go of the interpreter. Arguments are those of the base."""
+    """Robots in space, whose runs release the interpreter lock. Arguments are those of the base class."""
 
     usual_threads = school.usable_cores()
 
@@ -32,7 +32,7 @@ class School(school.School[model.SpatialPlant]):
         return [range(first, n, len(own)) for first in range(len(own))]
 
     def state(self, which: int) -> PlantState:
-        """The state of one of them, for `SpatialPlant`."""
+        """Return the state of one robot, for `SpatialPlant`."""
         return self._states[which]
 
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
@@ -65,10 +65,10 @@ class School(school.School[model.SpatialPlant]):
 
 
 class Together:
-    """The plants of several robots in one scene, which march as one; see `Twin` for their names in its model.
+    """The plants of several robots in one scene, advanced together; see `Twin` for their names in its model.
 
     Args:
-        plants: Each alone with its robot, settings and scene, which is the same for all.
+        plants: One plant per robot, with the robot's own settings and the same scene for all.
     """
 
     def __init__(self, plants: Sequence[model.SpatialPlant]) -> None:
@@ -77,20 +77,20 @@ class Together:
         self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
 
     def check(self, each: Sequence[PlantState]) -> None:
-        """Refuse states to begin with in which robots are in one another, or in something; in that case ValueError."""
+        """Raise a ValueError if robots penetrate one another, or another object, in the initial states."""
         data = self.twin.data([state.values for state in each])
         scene.check_free(self.twin.model, data, self.twin.order.tolist())
 
     def march(
         self, each: Sequence[PlantState], commands: Sequence[Command], duration: float, sample_interval: float
     ) -> tuple[list[PlantState], list[Stretch], str | None]:
-        """Many steps at once; see `Plant.advance`.
+        """Advance by many steps at once; see `Plant.advance`.
 
         Args:
-            each: Where each robot starts.
-            commands: One for each robot, held all the while.
-            duration: [s].
-            sample_interval: Between two samples of the logs [s].
+            each: Initial state of each robot.
+            commands: One command per robot, held throughout.
+            duration: Duration [s].
+            sample_interval: Interval between two samples of the logs [s].
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = max(plant.steps_in(duration / n_intervals) for plant in self.plants)

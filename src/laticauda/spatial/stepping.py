@@ -1,15 +1,15 @@
-"""March a robot in MuJoCo through time with two fixed-step integrators.
+"""Advance a robot in MuJoCo through time with two fixed-step integrators.
 
-MuJoCo evaluates (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations); the steps are
-those of the planar model, so that both bodies share their orders:
+MuJoCo evaluates the dynamics (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations);
+with free joints, the steps are those of the planar model:
 
-- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is.
-  Each of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it;
-  what it would have been off by, times that inertia, is the joint's torque.
-- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`): linearly implicit in the
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly on the reference. Each of
+  them is held by an inertia so large (HOLD) that it accelerates as the reference does, whatever acts on it; the
+  residual of its acceleration times that inertia is the joint's torque.
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`), linearly implicit in the
   joint law, in M + A.
 
-What stands where in the arrays is in `rows`; what moves the joints in `drives`. A template (see
+`rows` defines the layout of the arrays; `drives` defines what moves the joints. This is a template (see
 `compiling.templates`).
 """
 
@@ -38,20 +38,20 @@ HOLD = 1e8  # kg m^2
 
 @kernel
 def copy(values, target):
-    """Set numbers one by one: with slices, a third of what is compiled would be Numba's words for those that differ."""
+    """Copy numbers one by one: with slices, a third of the compiled code would be Numba's messages on unequal sizes."""
     for i in range(len(target)):
         target[i] = values[i]
 
 
 @kernel
 def evaluate(N):
-    """Accelerations at the state in the data."""
+    """Compute the accelerations at the state in the data."""
     forward_skip(N[MODEL], N[DATA], 0, 1)
 
 
 @kernel
 def put_on_reference(N, qpos, qvel, J, R, hold):
-    """Prescribed joints: where the reference is, and held to its acceleration."""
+    """Put prescribed joints on the reference and hold them to its acceleration."""
     nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
@@ -62,7 +62,7 @@ def put_on_reference(N, qpos, qvel, J, R, hold):
 
 @kernel
 def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
-    """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
+    """Set torques and implicit terms of the first stage; K stores the slope over angle and the implicit inertia."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
@@ -78,7 +78,7 @@ def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
 
 @kernel
 def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
-    """The same for the second stage, for a = k2 + 2 k1."""
+    """Set the torques of the second stage, which is solved for a = k2 + 2 k1."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     put_on_reference(N, qpos, qvel, J, R, hold)
     for i in range(J.shape[0]):
@@ -91,14 +91,14 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
 
 @kernel
 def move(N, qpos, start, velocity, dt):
-    """qpos = start moved with a velocity for dt."""
+    """Set qpos to `start` moved with a velocity for dt."""
     copy(start, qpos)
     integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
 
 
 @kernel
 def of_robot(W, r):
-    """What the functions above take, of one robot; W holds of all what `run` takes, and R, U and K."""
+    """Return one robot's arguments for the functions above; W holds the arguments of `run` for all, and R, U and K."""
     N, S, Y, C, J, R, U, K = W
     s, e = S[r], S[r + 1]
     a, b = s[FIRST_JOINT], e[FIRST_JOINT]
@@ -108,14 +108,14 @@ def of_robot(W, r):
 
 @kernel
 def advance(N, X, C, J, R, dt):
-    """One robot's generator, and the time in the data, at which the water is looked at."""
+    """Advance one robot's generator, and the time in the data, at which the water is evaluated."""
     advance_reference(X, C, J, R, dt)
     numbers(N[DATA] + N[AT.time], 1)[0] = X[TIME]
 
 
 @kernel
 def put_all(W, qpos, qvel, hold, dt):
-    """`put_on_reference` for all robots, after dt more of their generators."""
+    """Apply `put_on_reference` to all robots, after advancing their generators by dt."""
     for r in range(len(W[0])):
         N, X, C, J, R, _, _, q, v = of_robot(W, r)
         if dt > 0.0:
@@ -125,7 +125,7 @@ def put_all(W, qpos, qvel, hold, dt):
 
 @kernel
 def first_of_all(W, qpos, qvel, hold, gamma_dt):
-    """`first_stage` for all robots."""
+    """Apply `first_stage` to all robots."""
     for r in range(len(W[0])):
         N, _, C, J, R, U, K, q, v = of_robot(W, r)
         first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
@@ -133,7 +133,7 @@ def first_of_all(W, qpos, qvel, hold, gamma_dt):
 
 @kernel
 def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
-    """Stages 2 to 4; the first one's accelerations are in the data already. B: scratch rows."""
+    """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B: scratch rows."""
     N = W[0][0]
     q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
     n = N[N_QVEL]
@@ -163,7 +163,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
 
 @kernel
 def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
-    """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in the data already."""
+    """Finish the step, y + h (3/2 k1 + 1/2 k2), from both stages; the accelerations of k1 are already in the data."""
     N = W[0][0]
     q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
     n, gamma_dt = N[N_QVEL], GAMMA * dt
@@ -180,7 +180,7 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
         second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
     evaluate(N)
     for i in range(n):
-        # As `stages.combined`; a call of it is contracted in another way here, and changes the last digit.
+        # As `stages.combined`; a call to it would be contracted differently here and change the last digit.
         second = qacc[i] - 2.0 * first[i]
         second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
         total[i] = W_1 * slope[i] + W_2 * second_slope
@@ -192,7 +192,7 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
 
 @kernel
 def are_within(values, most):
-    """Whether all are still numbers that a swimming robot can have."""
+    """Return whether all values are still plausible for a swimming robot."""
     for i in range(len(values)):
         if not abs(values[i]) < most:
             return False
@@ -201,7 +201,7 @@ def are_within(values, most):
 
 @kernel
 def follow_links(N, order, qpos, links):
-    """Angle of every link about the vertical, unwrapped: less than half a turn from what it was."""
+    """Update the angle of every link about the vertical, unwrapped: by less than half a turn."""
     n = N[N_LINKS]
     if N[IS_PLANAR]:
         links[0] = qpos[2]
@@ -217,7 +217,7 @@ def follow_links(N, order, qpos, links):
 
 @kernel
 def sum_contacts(N, order, forces):
-    """Force of all contacts on every link, world axes, from what the solver has found; the fin's on the tail link."""
+    """Sum the solver's contact forces on every link, world axes; those on the fin count toward the tail link."""
     forces_after(N[MODEL], N[DATA])
     on_body = field(N[DATA], N[AT.cfrc_ext], 6 * N[N_BODIES])
     n = N[N_LINKS]
@@ -230,9 +230,9 @@ def sum_contacts(N, order, forces):
 
 @kernel
 def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
-    """One sample of the log.
+    """Write one sample of the log.
 
-    `mass` is that of every body, 0 of those that are not the robot's; `order` holds the body of each link.
+    `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of each link.
     """
     n, bodies = N[N_LINKS], N[N_BODIES]
     com, cvel = field(N[DATA], N[AT.subtree_com], 3 * bodies), field(N[DATA], N[AT.cvel], 6 * bodies)
@@ -284,12 +284,12 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
 
 @kernel
 def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
-    """Count one robot's work, and write its sample, which is empty between samples; whether its numbers are finite."""
+    """Count one robot's work and write its sample (empty between samples); return whether its numbers are in bounds."""
     n, y, C, J, R, U, _, q, v = of_robot(W, r)
     led, nv, links = C[IS_LED] != 0.0, v + n[N_BASE_QVEL], y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
     for i in range(J.shape[0]):
         if led and J[i, LAW] == PRESCRIBED:
-            # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
+            # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has to overcome it.
             U[i] = HOLD * (R[2, i] - qacc[nv + i])
     follow_links(n, order, qpos[q:], links)
     count_work(n, y, C, J, U, P, qvel[v:], dt)
@@ -306,9 +306,9 @@ def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
 def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     """Advance all robots of a model by `steps` steps of `dt` and log every `every`-th one, first and last included.
 
-    N has a row of whole numbers for each robot, S says where in Y (rows, links' angles, forces), C, J, order and the
-    log's columns its own begin; `moving` is qpos and qvel of all. Returns the number of samples written: fewer than
-    asked for if numbers left the finite range. The trapezoid of the work goes on from the powers at the start.
+    N has a row of integers per robot; S holds the start of each robot's part in Y (rows, link angles, forces), C, J,
+    order and the log's columns; `moving` is qpos and qvel of all. Returns the number of samples written: fewer than
+    requested if numbers left the finite range. The trapezoidal rule for the work starts from the powers at the start.
     """
     M, n_robots = N[0], len(N)
     n_q, n_v = M[N_QPOS], M[N_QVEL]
@@ -344,7 +344,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
         if not implicit:
             finish_rk4(W, hold, qpos, qvel, qacc, B, dt)
         else:
-            if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
+            if two_ways:  # the torques above follow from accelerations, which must not be those of an implicit step
                 first_of_all(W, qpos, qvel, hold, GAMMA * dt)
                 evaluate(M)
             finish_ros2(W, hold, qpos, qvel, qacc, B, dt)

@@ -1,4 +1,4 @@
-"""A spatial plant's model in MuJoCo, and what the kernels need of it."""
+"""The MuJoCo model of a spatial plant, and what the kernels need from it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,13 +23,13 @@ TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
 
 class Twin:
-    """Robots, their place and a model's settings in MuJoCo. A resource: one march at a time, whoever has the `lock`.
+    """Robots, surroundings and a model's settings in MuJoCo. A resource for one run at a time, guarded by `lock`.
 
     Args:
-        robot: The first, to which all that is said of one robot belongs; its names in the model are its own.
-        environment: Where it swims.
-        setup: Its settings, and the scene.
-        others: Further robots with theirs; names of the k-th begin with `robot_k_`.
+        robot: The first robot, to which all single-robot attributes refer; its names in the model have no prefix.
+        environment: Environment of the robots.
+        setup: Model settings of the first robot, with the scene.
+        others: Further robots with their settings; names of the k-th begin with `robot_k_`.
     """
 
     def __init__(
@@ -54,11 +54,11 @@ class Twin:
         found = [[replace(e, body=p + e.body) for e in _elements(r, environment, s)] for r, s, p in members]
         self._ends = np.cumsum([len(one) for one in found]).tolist()
         self.water = self._attach([e for one in found for e in one], environment, setup)
-        # Among the water's own numbers, so that it lives as long as the compiled code may read it.
+        # Stored with the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = self.water.numbers["hold"] = np.zeros(2 * int(self.model.nv))
         self.water.table[table.HOLD] = self._hold.ctypes.data
-        self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = 1, 0  # its steps are its own
-        self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level  # from which a flow counts z
+        self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = 1, 0  # it uses its own integrators
+        self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level  # height from which a flow measures z
         self._stepping = stepping(setup.joints)
 
     def _attach(self, elements: Sequence[water.Element], environment: Environment, setup: Spatial) -> water.Water:
@@ -76,7 +76,7 @@ class Twin:
         )
 
     def _lay_out(self, members: Sequence[tuple[Robot, Spatial, str]]) -> None:
-        """Where the arrays of each robot are, its setup for the kernels, and whom its shapes touch."""
+        """Set the layout of each robot's arrays, its setup for the kernels, and what its shapes can touch."""
         model, n_all = self.model, len(members)
         self.places, self._masses = np.zeros((n_all + 1, rows.PLACES), dtype=np.int64), np.zeros((n_all, model.nbody))
         setups: list[np.ndarray] = []
@@ -87,12 +87,12 @@ class Twin:
             bodies = [int(model.body(prefix + name).id) for name in names]
             mine, root = model.body_rootid == bodies[0], int(model.body_jntadr[bodies[0]])
             self._masses[k] = np.where(mine, model.body_mass, 0.0)
-            if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
+            if setup.joints.prescribed:  # they follow the gait; a stop would only push the rest of the body
                 model.jnt_limited[mine[model.jnt_bodyid]] = 0
-            if n_all > 1:  # its shapes touch those of the others, and not its own
+            if n_all > 1:  # its shapes touch those of the others but not each other
                 touching, others = mine[model.geom_bodyid] & (model.geom_contype == 1), (2 << n_all) - 2 - (2 << k)
                 model.geom_contype[touching], model.geom_conaffinity[touching] = 1 | 2 << k, others
-                model.body_contype[mine], model.body_conaffinity[mine] = 1 | 2 << k, others  # what is looked at first
+                model.body_contype[mine], model.body_conaffinity[mine] = 1 | 2 << k, others  # checked first
             n_joints = len(_joint_rows(robot, setup.joints))
             of_links = robot.n_links * (1 if setup.scene is None else 4)
             columns = rows.STATE_ROWS + rows.SAMPLE_HEADER + of_links + 4 * n_joints
@@ -103,7 +103,7 @@ class Twin:
             order += bodies
         self._setups, self.order = np.array(setups), np.array(order)
         of_q, robots = np.repeat(model.jnt_bodyid, np.diff([*model.jnt_qposadr, model.nq])), self._masses > 0.0
-        # Of each robot's qpos and qvel, and of those of what else moves in the scene, among those of all.
+        # Indices of each robot's qpos and qvel, and of those of other moving parts of the scene, among those of all.
         seen = [own | ~robots.any(axis=0) for own in robots]
         self._here = [np.flatnonzero(np.r_[one[of_q], one[model.dof_bodyid]]) for one in seen]
 
@@ -136,11 +136,11 @@ class Twin:
         every: int,
         environment: Environment,
     ) -> np.ndarray:
-        """Advance the states of `each` in place; the samples of all. The `environment` has the water's motion now."""
+        """Advance the states `each` in place and return all samples; `environment` has the water's current motion."""
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
-            callback.install()  # somebody else may have taken the callback since
+            callback.install()  # another package may have replaced the callback since
             if isinstance(environment, Water):
                 self.water.set_current(environment.flow or environment.uniform)
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
@@ -161,7 +161,7 @@ class Twin:
             return log[:written]
 
     def _parts(self, each: Sequence[np.ndarray]) -> tuple[list[list[np.ndarray]], np.ndarray]:
-        """Each state's rows, qpos and qvel, and the rest; and qpos and qvel of all."""
+        """Split each state into its rows, qpos with qvel, and the rest; also return qpos and qvel of all."""
         at, moving = rows.STATE_ROWS, np.empty(self.n_qpos + self.n_qvel)
         parts = [np.split(values, [at, at + here.size]) for values, here in zip(each, self._here, strict=True)]
         for (_, own, _), here in zip(parts, self._here, strict=True):
@@ -169,7 +169,7 @@ class Twin:
         return parts, moving
 
     def data(self, each: Sequence[np.ndarray]) -> Any:
-        """A `mujoco.MjData` at the robots' states `each`, with its kinematics; its own, not the marches'."""
+        """Return a new `mujoco.MjData` at the robots' states `each`, with kinematics, separate from the runs' own."""
         data, (_, moving) = load_mujoco().MjData(self.model), self._parts(each)
         data.time, (data.qpos[:], data.qvel[:]) = each[0][rows.TIME], np.split(moving, [self.n_qpos])
         load_mujoco().mj_kinematics(self.model, data)
@@ -177,7 +177,7 @@ class Twin:
         return data
 
     def forces(self) -> np.ndarray:
-        """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
+        """Return forces on every link after the last run, (3, n_links, 3) [N]; the tail link's include the fin's."""
         loads_on = self.water.forces(self._data)
         total = np.zeros((len(FORCES), self._n_links, 3))
         for i, element in enumerate(self.water.elements):
@@ -187,10 +187,10 @@ class Twin:
         return total
 
     def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
-        """Distances from the tip of the head [m], infinite where there is nothing.
+        """Return distances from the tip of the head [m], infinite where nothing is hit.
 
         Args:
-            data: A `mujoco.MjData` with its kinematics.
+            data: A `mujoco.MjData` with computed kinematics.
             rays: Directions in the head's plane, from its x axis to its left [rad].
         """
         mujoco, n = load_mujoco(), self._n_links
@@ -203,26 +203,26 @@ class Twin:
 
 
 def stepping(joints: JointLaw) -> ModuleType:
-    """The module `laticauda.spatial.stepping`, compiled on first call.
+    """Return the module `laticauda.spatial.stepping`, compiled on first call.
 
     Args:
-        joints: Whose formula is compiled beside the built-in ones, if it is none of them.
+        joints: Joint law whose formula is compiled in addition to the built-in ones, unless it is one of them.
     """
     return specialized("laticauda.spatial", TEMPLATES, {"joint_law": joints.own})
 
 
 def _elements(robot: Robot, environment: Environment, setup: Spatial) -> tuple[water.Element, ...]:
-    """What the water and the ground see of a robot."""
+    """Return the elements of a robot on which the water and the ground act."""
     found = water_robot.robot_elements(robot, environment, floats=floats(setup))
     land = land_of(environment, setup)
     return found if land is None else water_robot.on_ground(found, robot, land, wet=not isinstance(environment, Ground))
 
 
 def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
-    """The `mujoco.MjSpec` of a robot in its place.
+    """Return the `mujoco.MjSpec` of a robot in its surroundings.
 
     Args:
-        robot: What swims.
+        robot: The robot.
         environment: The water it swims in, or the ground.
         setup: The model's settings.
     """
@@ -236,13 +236,13 @@ def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
         scene=setup.scene,
         ballast_depth=setup.ballast_depth if floats(setup) else 0.0,
     )
-    if setup.scene is not None:  # where the solver begins must not depend on what was marched before
+    if setup.scene is not None:  # the solver's initial guess must not depend on earlier runs
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
-        # With little friction, MuJoCo's pyramids make contacts hundreds of times as stiff as they are meant to be.
+        # At low friction, MuJoCo's pyramidal cones make contacts hundreds of times stiffer than intended.
         spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     if land is not None:
         for geom in spec.geoms:
-            if geom.name in scene.GROUNDS:  # it is among the loads
+            if geom.name in scene.GROUNDS:  # it acts through the loads
                 geom.contype = geom.conaffinity = 0
         spec.option.gravity = (0.0, 0.0, -land.gravity)
     if not setup.gravity or setup.root == "planar":
@@ -251,12 +251,12 @@ def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
 
 
 def floats(setup: Spatial) -> bool:
-    """Whether there is weight and buoyancy in `setup`, and what moves by them."""
+    """Return whether `setup` has weight and buoyancy, and a root that they can move."""
     return setup.gravity and setup.root == "free"
 
 
 def land_of(environment: Environment, setup: Spatial) -> Ground | None:
-    """The ground on which the robot lies with its weight; None: there is none, or it slides on it in the plane.
+    """Return the ground on which the robot lies with its weight; None if there is none, or if it slides in the plane.
 
     Args:
         environment: The water it swims in, or the ground.
@@ -269,7 +269,7 @@ def land_of(environment: Environment, setup: Spatial) -> Ground | None:
 
 
 def _joint_rows(robot: Robot, law: JointLaw) -> np.ndarray:
-    """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
+    """Return the joint parameters for the kernels in MuJoCo's order: the body's, then the fin's from its root."""
     waves = [rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE for joint in robot.joints]
     waves += [rows.NO_WAVE if k else rows.FIN_WAVE for k in robot.fin_joints]
     laws = [rows.PASSIVE if wave == rows.NO_WAVE else law.code for wave in waves]

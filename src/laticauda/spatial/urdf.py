@@ -1,8 +1,8 @@
-"""A Robot as URDF, for the tools of ROS and for every other reader of it.
+"""A Robot as URDF, for ROS and any other tool that reads it.
 
-Links and joints have the names, the frames and the numbers of `spatial.bodies`; URDF has no ellipses, so links look
-like round cylinders of the same volume. The water is not in it: URDF has no words for that. The modules' centers of
-mass lie as far below their axes as in a simulation (`Spatial.ballast_depth`).
+Links and joints have the names, frames and parameters of `spatial.bodies`; URDF has no ellipses, so links are shown as
+round cylinders of the same volume. The water is not included: URDF cannot describe it. The modules' centers of mass lie
+as far below their axes as in a simulation (`Spatial.ballast_depth`).
 """
 
 import math
@@ -16,18 +16,18 @@ from laticauda.robot import Joint, Module, Robot
 from laticauda.spatial.appearance import MATERIALS, checked, copied, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
 
-# MuJoCo would otherwise merge links that cannot move against each other, and forget what is only to be seen.
+# Otherwise MuJoCo would merge links that are fixed to each other, and discard visual shapes.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
 Given = str | float | tuple[float, ...]
 SHOWN = ("housing", "head", "fin")
 
 
 def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
-    """The text of a URDF file.
+    """Return the text of a URDF file.
 
     Args:
-        robot: What swims.
-        meshes: What the file calls the mesh (STL or OBJ) of each module, tail first; none takes cylinders.
+        robot: The robot.
+        meshes: File name of each module's mesh (STL or OBJ) in the URDF, tail first; if empty, cylinders are used.
 
     Raises:
         ValueError: If there are meshes, but not one per module.
@@ -65,16 +65,16 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
 
 
 def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] = ()) -> None:
-    """Write a robot to a URDF file; mesh files are copied beside it.
+    """Write a robot to a URDF file, with copies of mesh files next to it.
 
     Args:
-        path: The file (.urdf); an older one is replaced.
-        robot: What swims.
-        meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters; none takes the shapes
-            that come with laticauda.
+        path: The file (.urdf); an existing file is replaced.
+        robot: The robot.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters; if empty, modules are
+            drawn as cylinders.
 
     Raises:
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of range.
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
@@ -86,12 +86,12 @@ def _add_module(link: ET.Element, module: Module, mesh: str | None, material: st
         _add_shape(link, material, {}, "mesh", filename=mesh)
         return
     origin = {"xyz": (module.half_length, 0.0, 0.0), "rpy": (0.0, 0.5 * math.pi, 0.0)}
-    radius = math.sqrt(module.section.half_height * module.section.half_width)  # URDF's cylinders stand on z
+    radius = math.sqrt(module.section.half_height * module.section.half_width)  # the axis of URDF's cylinders is z
     _add_shape(link, material, origin, "cylinder", radius=radius, length=module.length)
 
 
 def _add_shape(link: ET.Element, material: str, origin: Mapping[str, Given], kind: str, **size: Given) -> None:
-    """The same to see and to collide with."""
+    """Add the same shape for display and for collision."""
     for use in ("visual", "collision"):
         shape = _add(link, use)
         if origin:
@@ -102,7 +102,7 @@ def _add_shape(link: ET.Element, material: str, origin: Mapping[str, Given], kin
 
 
 def _add_joint(root: ET.Element, body: Body) -> None:
-    """A joint with what its actuator can do; hinges that stand for bending have no springs here, as URDF has none."""
+    """Add a joint with its actuator's limits; hinges that represent bending have no springs, as URDF has none."""
     joint = body.joint
     if joint is None:
         element = _connect(root, f"{body.name}_mount", "fixed", body.parent, body.name)
@@ -121,9 +121,9 @@ def _add_joint(root: ET.Element, body: Body) -> None:
 
 
 def _add_control(root: ET.Element, robot: Robot) -> None:
-    """What ros2_control is to know: every driven joint is told an angle, within its limit, and says what it does.
+    """Add the ros2_control section: every driven joint takes an angle within its limit and reports its state.
 
-    Its plugin stands for a robot that is where it is told to be; who has another one puts it there.
+    Its plugin represents a robot that is exactly where it is commanded to be; replace it to use another one.
     """
     control = _add(root, "ros2_control", name=robot.name, type="system")
     _add(_add(control, "hardware"), "plugin").text = "mock_components/GenericSystem"
@@ -146,7 +146,7 @@ def _connect(root: ET.Element, name: str, kind: str, parent: str, child: str) ->
 
 
 def _add(parent: ET.Element, tag: str, /, **given: Given) -> ET.Element:
-    """An element below another one, with texts, numbers and rows of numbers as its attributes."""
+    """Add a child element with strings, numbers and tuples of numbers as its attributes."""
     return ET.SubElement(parent, tag, {name: _text(one) for name, one in given.items()})
 
 

@@ -1,15 +1,16 @@
-"""What the water sees of a robot: one element per module and per fin strip, with the planar model's coefficients.
+"""Hydrodynamic elements of a robot: one per module and per fin strip, with the planar model's coefficients.
 
-In the swimming plane the numbers are those of `laticauda.hydrodynamics.link_coefficients`. Across it they follow by
-turning the ellipse by 90 degrees, a and b its vertical and lateral half-axes, l half the module's length:
+In the swimming plane the coefficients are those of `laticauda.hydrodynamics.link_coefficients`. Normal to it they
+follow by turning the ellipse by 90 degrees, with a and b its vertical and lateral half-axes, l half the module's
+length:
 
     c_z = 1/2 rho C_D 2b 2l          mu_z = rho pi C_A b^2 2l
     about y, `paper`: as about z;    `strip`: c_z l^2 / 3, c_z l^3 / 4, mu_z l^2 / 3
     about x: added inertia rho pi C_M (a^2 - b^2)^2 / 8 2l of the ellipse (Newman, Marine Hydrodynamics, 1977, table
-    4.3), and the friction c_t on the arm r = (a + b) / 2: c_t r^2 (linear) and c_t r^3 (quadratic)
+    4.3), and the friction c_t at the lever arm r = (a + b) / 2: c_t r^2 (linear) and c_t r^3 (quadratic)
 
-A fin strip of length d and height h is a thin plate: no normal load across its edge, c_z = c_t; about x the normal
-drag spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, and the added inertia rho pi C_A (h/2)^4 / 8 d.
+A fin strip of length d and height h is a thin plate: no normal load across its edge, c_z = c_t; about x the normal drag
+is spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, with the added inertia rho pi C_A (h/2)^4 / 8 d.
 """
 
 import math
@@ -28,31 +29,31 @@ from laticauda.spatial.bodies import fin_bodies, mounts
 
 
 def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
-    """The elements of a robot, on the bodies that `spatial.bodies` names.
+    """Return the elements of a robot, on the bodies named in `spatial.bodies`.
 
     Args:
-        robot: What swims.
+        robot: The robot.
         environment: The water it swims in, or the ground it crawls on in the plane.
-        floats: Whether it has weight and buoyancy. Else volumes, which accelerating water carries along, are spread as
-            in the planar model.
+        floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water carries along, are
+            distributed as in the planar model.
     """
     c = link_coefficients(robot, environment)
     found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
     if robot.caudal_fin is not None and c.fin is not None:
         found += _fin(robot.caudal_fin, c.fin, environment, floats)
     found += _ends(robot, environment) if isinstance(environment, Water) else []
-    found += mounted_elements(robot, environment)  # last of all, where the twin finds them
+    found += mounted_elements(robot, environment)  # last, where the twin expects them
     return tuple(found)
 
 
 def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool) -> tuple[Element, ...]:
-    """The elements of a robot that lies on the ground with its weight.
+    """Return the elements of a robot that lies on the ground with its weight.
 
     Args:
-        elements: As `robot_elements` made them.
-        robot: What lies there.
-        ground: Its friction.
-        wet: Whether water may be over the ground; without it, its own loads are taken away.
+        elements: Elements from `robot_elements`.
+        robot: The robot.
+        ground: The ground with its friction.
+        wet: Whether there may be water above the ground; if not, drag and volume are set to zero.
     """
     found: list[Element] = []
     plates = [k for k, e in enumerate(elements) if e.shape == "box" and e.volume > 0.0]  # a strip has no volume
@@ -69,11 +70,11 @@ def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, we
 
 
 def contact(mass: float, ground: Ground) -> Contact:
-    """How a piece of a robot touches the ground.
+    """Return the ground contact of a piece of a robot.
 
     Args:
-        mass: Of the piece [kg].
-        ground: Its friction; viscous coefficients hold for a piece that lies flat with its own weight.
+        mass: Mass of the piece [kg].
+        ground: The ground with its friction; viscous coefficients hold for a piece that lies flat under its own weight.
     """
     weight = mass * ground.gravity
     law = ground.friction
@@ -139,7 +140,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool
                 law=law_of(environment),
             )
         )
-    # The plate as a whole floats, its opening included, as it is its whole that has the mass.
+    # The whole plate floats, its opening included, because the mass is that of the whole plate.
     for body, piece in bodies:
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
         volume = fin.volume * piece.length / fin.length if floats else 0.0
@@ -149,7 +150,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool
 
 
 def _ends(robot: Robot, environment: Water) -> list[Element]:
-    """Tether and trailing edge, as in the planar model."""
+    """Return the elements of tether and trailing edge, as in the planar model."""
     found: list[Element] = []
     if robot.tether.drag > 0.0 or any(robot.tether.force):
         x, y = robot.tether.force
@@ -163,10 +164,10 @@ def _ends(robot: Robot, environment: Water) -> list[Element]:
 
 
 def mounted_elements(robot: Robot, environment: Environment) -> list[Element]:
-    """Those of its thrusters, and in water of its pectoral fins: what a command moves.
+    """Return the elements that a command changes: thrusters and, in water, pectoral fins.
 
     Args:
-        robot: With them as they are now.
+        robot: The robot, with the current settings of its effectors.
         environment: The water it swims in, or the ground.
     """
     loads: list[dict[str, Any]] = [{"thrust": (one.thrust, 0.0, 0.0)} for one in robot.thrusters]

@@ -1,4 +1,4 @@
-"""Many trials: sweeps and searches, and what they say together."""
+"""Studies of many trials: sweeps and searches, and their combined results."""
 
 from laticauda.packaging import lazy_exports
 from laticauda.studies.averaged import averaged_model as averaged_model

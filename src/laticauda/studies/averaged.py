@@ -1,4 +1,4 @@
-"""The averaged model of a gait with one robot, from trials of its own: what model-predictive guidance plans with."""
+"""Averaged model of a gait with one robot, from dedicated trials, with which model-predictive guidance plans."""
 
 from dataclasses import replace
 from typing import Any
@@ -10,7 +10,7 @@ from laticauda.simulate.runner import Progress, silent
 
 N_TRIALS = 4
 AROUND = 1.0 / 3.0
-"""The trials' frequencies go so far below and above the gait's, where no limits are given [-]."""
+"""Relative distance of the trials' extreme frequencies from the gait's, if no limits are given [-]."""
 
 
 def averaged_model(
@@ -21,14 +21,14 @@ def averaged_model(
     n_trials: int = N_TRIALS,
     progress: Progress = silent,
 ) -> control.AveragedModel:
-    """Learn how a gait moves a robot, from trials at several frequencies whose offset goes up and down in steps.
+    """Learn how a gait moves a robot, from trials at several frequencies whose offset rises and falls in steps.
 
     Args:
-        plant: The robot in its water, which stands still for this where it moves otherwise than as one.
-        gait: What swims.
-        frequency_limits: Least and greatest frequency of the trials; None: a third below and above the gait's [rad/s].
-        n_trials: How many trials.
-        progress: Called now and then with the share that is done.
+        plant: The robot in its water; a flow that is not uniform and constant is replaced by still water.
+        gait: Gait of the trials.
+        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above the gait's [rad/s].
+        n_trials: Number of trials.
+        progress: Called periodically with the finished fraction.
 
     Raises:
         ValueError: If an argument is out of its range, or the trials do not determine the model.

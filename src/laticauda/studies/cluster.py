@@ -1,12 +1,12 @@
-"""A sweep on a Dask cluster, and the one door to dask.
+"""Run a sweep on a Dask cluster; all use of dask is in this module.
 
-A region is a task: about a second of work, against some milliseconds that a task costs the scheduler. A few more tasks
-than there are threads are under way at a time, so neither the scheduler nor this process ever holds the whole sweep.
-Results come back to this process, which alone writes the folder: workers need no disk in common, nothing is written
-twice, and a worker that dies leaves nothing behind. They are small, some fifty bytes per trial.
+Each region is one task: about a second of work, compared with a few milliseconds of scheduler overhead per task. Only a
+few tasks per thread are in flight at a time, so neither the scheduler nor this process ever holds the whole sweep.
+Results return to this process, which alone writes the folder: workers need no shared disk, nothing is written twice,
+and a worker that dies leaves nothing behind. Results are small, about fifty bytes per trial.
 
-A worker that dies takes its tasks with it, and the scheduler gives them to others. A scheduler that goes away ends the
-sweep with an error; what was stored stays, and the next call goes on from there.
+If a worker dies, the scheduler reassigns its tasks to others. If the scheduler goes away, the sweep ends with an error;
+stored results are kept, and the next call continues from there.
 """
 
 import logging
@@ -24,20 +24,20 @@ from laticauda.studies.sweep import Column, Table, swim_points
 
 Found = tuple[int, Table, dict[str, Column]]
 
-AHEAD = 2  # tasks under way per thread of the cluster: none waits for this process
-PATIENCE = 60.0  # with no worker at all [s]
-FETCHING = 20.0  # a result, some hundred kilobytes [s]
-GLANCE = 2.0  # between two looks at the cluster's health [s]
-CONNECTING = 10.0  # [s]
-MOST_DEATHS = 3  # of a region's workers, counted in rounds of the scheduler's own
+AHEAD = 2  # tasks in flight per thread of the cluster, so that no thread waits for this process
+PATIENCE = 60.0  # timeout with no worker at all [s]
+FETCHING = 20.0  # timeout for a result of some hundred kilobytes [s]
+GLANCE = 2.0  # interval between checks of the cluster's health [s]
+CONNECTING = 10.0  # timeout [s]
+MOST_DEATHS = 3  # of a region's workers, in rounds of the scheduler's own attempts
 GO_ON = "What was stored is not lost: run the same again to go on."
 
 
 def connect(address: str) -> Any:
-    """A client of the Dask scheduler at an address; the caller closes it.
+    """Return a client of the Dask scheduler at an address; the caller closes it.
 
     Args:
-        address: As `dask scheduler` prints it, tcp://host:8786.
+        address: Address as printed by `dask scheduler`, such as tcp://host:8786.
 
     Raises:
         ClusterFailed: If no scheduler answers there.
@@ -45,7 +45,7 @@ def connect(address: str) -> Any:
     """
     distributed = _distributed()
     try:
-        # A client that cannot connect is slow to give up, and slower to go.
+        # A client that cannot connect is slow to give up, and slower still to close.
         host = distributed.comm.get_address_host_port(distributed.comm.normalize_address(address))
         socket.create_connection(host, timeout=CONNECTING).close()
         return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
@@ -55,16 +55,16 @@ def connect(address: str) -> Any:
 
 @contextmanager
 def connected(address: str | None) -> Generator[Any]:
-    """A client of a cluster while it is needed.
+    """Provide a client of a cluster while it is needed.
 
     Args:
-        address: Of its scheduler, as `dask scheduler` prints it, tcp://host:8786; None: there is no cluster, and None
-            instead of a client.
+        address: Address of the scheduler as printed by `dask scheduler`, such as tcp://host:8786; None: there is no
+            cluster, and None is provided instead of a client.
     """
     if address is None:
         yield None
         return
-    # What it logs about a scheduler that has gone is long, and said by our own error.
+    # Its log messages about a lost scheduler are long, and our own error says the same.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     client = connect(address)
     try:
@@ -76,20 +76,20 @@ def connected(address: str | None) -> Generator[Any]:
 def swim_on(
     client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]
 ) -> Iterator[Found]:
-    """Let the workers of a cluster swim the points of some regions.
+    """Simulate the points of some regions on the workers of a cluster.
 
     Args:
         client: A `dask.distributed.Client`.
         scenario: What all trials share.
-        names: Of the parameters.
-        tables: Number and points of every region; taken as the work goes on.
+        names: Names of the parameters.
+        tables: Index and points of every region, consumed as the work proceeds.
 
     Yields:
-        Number, points and results of a region, in the order in which they come.
+        Index, points and results of a region, in order of completion.
 
     Raises:
-        ClusterFailed: If the scheduler goes away, no worker is there for a minute, a region costs worker after worker
-            its life, or workers have another version of laticauda.
+        ClusterFailed: If the scheduler goes away, there is no worker for a minute, a region kills one worker after
+            another, or workers have a different version of laticauda.
     """
     distributed = _distributed()
     under_way: dict[Any, tuple[int, Table, int]] = {}
@@ -97,7 +97,7 @@ def swim_on(
     n_threads = _counted(client)
 
     def submit(index: int, table: Table, deaths: int = 0) -> None:
-        key = f"sweep-{index}-{time.time_ns()}"  # never that of another call
+        key = f"sweep-{index}-{time.time_ns()}"  # never the key of another call
         future = client.submit(_swim, __version__, scenario, names, table, pure=False, key=key)
         under_way[future] = (index, table, deaths)
         future.add_done_callback(finished.put)
@@ -118,7 +118,7 @@ def swim_on(
                 continue
             try:
                 found = future.result(timeout=FETCHING)
-            except TimeoutError:  # its worker died with the result, and it is computed again
+            except TimeoutError:  # its worker died with the result, which is computed again
                 finished.put(future)
                 continue
             except distributed.KilledWorker as error:
@@ -143,7 +143,7 @@ def swim_on(
 
 
 def _counted(client: Any) -> Iterator[int]:
-    """Number of threads of the cluster, now and again, as long as scheduler and workers are there."""
+    """Yield the current number of threads of the cluster as long as there are a scheduler and workers."""
     seen = time.monotonic()
     while client.status == "running":
         n_threads, now = sum(client.nthreads().values()), time.monotonic()
@@ -155,7 +155,7 @@ def _counted(client: Any) -> Iterator[int]:
 
 
 def _swim(version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
-    """Runs on a worker, one thread per task: the worker has as many tasks as threads."""
+    """Simulate points on a worker, with one thread per task: a worker runs as many tasks as it has threads."""
     if version != __version__:
         raise ClusterFailed(f"the workers must have laticauda {version} as this process has, got {__version__}.")
     return swim_points(scenario, names, table, threads=1)

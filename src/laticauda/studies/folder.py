@@ -1,8 +1,8 @@
-"""The folder of a job that may be stopped at any moment and goes on there: whose it is, and who writes to it.
+"""Folder of a job that may be stopped at any moment and resumed there: to which job it belongs, and who writes to it.
 
-A job is all that its results depend on, told by one of its files. What comes back is compared with it, so that a folder
-never holds results of two jobs. While a process works there it has the folder's lock, which goes with the process,
-however that ends.
+A job is everything that its results depend on, recorded in one of its files. A resumed job is compared with that
+record, so that a folder never holds results of two jobs. While a process works there, it holds the folder's lock, which
+is released when the process ends, however it ends.
 """
 
 import json
@@ -15,19 +15,19 @@ from laticauda.errors import BadArgument, MissingExtra, StorageFailed
 from laticauda.files import is_full, local, locked
 
 FORMAT = 2
-"""Of the definitions: 1, without a number, held no scenario."""
+"""Format of the definitions; format 1, which was not numbered, held no scenario."""
 MOST_DIFFERENCES = 3
-_UNFINISHED = ".[0-9]*-*"  # what `laticauda.files.write` had not moved to its place when it was killed
+_UNFINISHED = ".[0-9]*-*"  # files that `laticauda.files.write` had not moved into place when it was killed
 
 
 def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
-    """A job's definition as its file gives it back, with the format's number.
+    """Return a job's definition as read back from its file, with the number of the format.
 
     Args:
-        definition: All that the results depend on.
+        definition: Everything that the results depend on.
 
     Raises:
-        ValueError: If a file cannot hold it, as a law that is a function of one's own.
+        ValueError: If a file cannot hold it, such as a law that is a user-defined function.
     """
     try:
         return json.loads(json.dumps({"format": FORMAT, **definition}, allow_nan=False))
@@ -36,16 +36,16 @@ def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    """Refuse to go on with another job than the one that was begun.
+    """Refuse to continue with a job other than the one that was begun.
 
     Args:
         path: The folder.
-        job: What messages call it.
-        stored: The definition there.
-        wanted: The one that is to go on.
+        job: Name of the job in messages.
+        stored: The stored definition.
+        wanted: Definition of the job to continue.
 
     Raises:
-        ValueError: If they differ; the message says in what.
+        ValueError: If they differ; the message names the differences.
     """
     if stored.get("format") != FORMAT:
         raise BadArgument(
@@ -62,16 +62,16 @@ def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[
 
 @contextmanager
 def owned(path: Path, job: str, mark: str) -> Generator[None]:
-    """Have a folder for this process alone; it is made if need be.
+    """Hold a folder for this process alone; it is created if needed.
 
     Args:
         path: The folder.
-        job: What messages call what is to lie there.
+        job: Name of the job in messages.
         mark: The file that every folder of such a job has.
 
     Raises:
-        ValueError: If it is a file, holds files of somebody else, or another process writes to it.
-        StorageFailed: If it cannot be made.
+        ValueError: If it is a file, holds foreign files, or another process writes to it.
+        StorageFailed: If it cannot be created.
     """
     if local(path).exists() and not path.is_dir():
         raise BadArgument("folder", f"must be a folder, got the file {path}")
@@ -87,7 +87,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
             held.enter_context(locked(path, wait=False))
         except BlockingIOError as error:
             raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
-        # Zarr's files are called otherwise until they are whole.
+        # Zarr files have another name until they are complete.
         for left in (*path.glob(_UNFINISHED), *path.rglob("*.partial")):
             left.unlink(missing_ok=True)
         yield
@@ -95,18 +95,18 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
 
 @contextmanager
 def storage(path: Path, kept: str) -> Generator[None]:
-    """Turn what the system says about a folder into a sentence with advice.
+    """Turn system errors about a folder into a sentence with advice.
 
     Args:
         path: The folder.
-        kept: What is stored there by now, in words.
+        kept: What is already stored there, in words.
 
     Raises:
         StorageFailed: In place of an OSError.
     """
     try:
         yield
-    except OSError as failure:  # a StorageFailed of one file is one too
+    except OSError as failure:  # a StorageFailed of a single file is also one
         error = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
         full = is_full(error)
         reason = "the disk is full" if full else (error.strerror or str(error)).lower()
@@ -118,11 +118,11 @@ def storage(path: Path, kept: str) -> Generator[None]:
 
 @contextmanager
 def readable(path: Path, file: str) -> Generator[None]:
-    """Within it, what any library says of a damaged file is a complaint about its folder.
+    """Turn any library's error about a damaged file into an error about its folder.
 
     Args:
         path: The folder.
-        file: What is read there.
+        file: Name of the file read there.
 
     Raises:
         ValueError: In place of any other error.
@@ -138,7 +138,7 @@ def readable(path: Path, file: str) -> Generator[None]:
 
 
 def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:
-    """What differs between two definitions, with the way to it."""
+    """Yield the differences between two definitions, with the path to each."""
     if isinstance(there, dict) and isinstance(here, dict):
         one, other = cast("dict[str, Any]", there), cast("dict[str, Any]", here)
         for key in dict.fromkeys([*one, *other]):

@@ -1,6 +1,6 @@
-"""What is optimized: which numbers may change within which bounds, for which objectives, within which limits.
+"""Definition of an optimization: which numbers may change within which bounds, for which objectives and limits.
 
-And what was found: the points that no other one beats, and the measure of how good they are together.
+Also its result: the nondominated points.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     import xarray
 
 OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
-"""What can be optimized: speeds are to be great, powers and the cost of transport small."""
+"""What can be optimized: speeds are maximized, powers and the cost of transport minimized."""
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 VIOLATION = "violation"
 AT_BOUND = 0.005
-"""How close to an end of its range a number is at the end, as a share of the range."""
-FAILED = 1e3  # how far a run that blew up is from being feasible: farther than any gait that is too wide
+"""Distance from an end of its range within which a number counts as at that end, as a fraction of the range."""
+FAILED = 1e3  # violation of a run that diverged: larger than that of any gait whose swing is too wide
 
 
 def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
@@ -44,7 +44,7 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
 
 @value
 class Limits:
-    """What a point has to keep to, besides the joints' limits, to be feasible."""
+    """Limits that a point must respect, besides those of the joints, to be feasible."""
 
     joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
     least_velocity: float | None = quantity(
@@ -55,11 +55,11 @@ class Limits:
 
 @value
 class Optimization(Limits):
-    """A scenario, the numbers of it that may change, and which figures are maximized or minimized.
+    """A scenario, those of its numbers that may change, and which figures are maximized or minimized.
 
-    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run takes
-    no more than joints and actuators have and no links overlap (its `utilization` is at most 1), it reaches its end, it
-    is fast enough for `least_velocity`, and every objective has a value.
+    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run demands
+    no more than joints and actuators provide and no links overlap (its `utilization` is at most 1), it reaches its end,
+    it is fast enough for `least_velocity`, and every objective has a value.
 
     Raises:
         ValueError: If a field is out of its range, or a parameter does not exist (the message has the nearest names).
@@ -82,17 +82,17 @@ class Optimization(Limits):
     objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the fields against each other."""
         sweep.check_scenario(self.scenario)
         sweep.check_ranges(self.scenario, self.bounds, "bounds")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the parameters that may change."""
+        """Names of the parameters that may change."""
         return tuple(self.bounds)
 
     def definition(self) -> dict[str, Any]:
-        """All that the trials depend on, for a file."""
+        """Return everything that the trials depend on, for a file."""
         return {
             **sweep.definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
@@ -101,13 +101,13 @@ class Optimization(Limits):
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """The bounds as a search wants them: whole numbers have a room of one each."""
+        """Return the bounds in the form for a search: each whole number has an interval of length one."""
         low, high = np.array(list(self.bounds.values()), dtype=float).T
         half = np.where(self._is_whole, 0.5, 0.0)
         return low - half, high + half
 
     def points(self, sought: Table) -> Table:
-        """The points that a search means: whole numbers where only they have a meaning.
+        """Convert the points of a search: parameters that take whole numbers only are rounded.
 
         Args:
             sought: Points in the `box`.
@@ -122,16 +122,16 @@ class Optimization(Limits):
 
 
 def evaluate(optimization: Optimization, table: Table, threads: int | None = None) -> dict[str, Column]:
-    """What some points come to; those beyond the limits do not swim.
+    """Evaluate points; those beyond the limits are not simulated.
 
     Args:
-        optimization: What is optimized.
-        table: The points, a row each.
-        threads: How many to compute with; None takes all cores that this process may use.
+        optimization: The optimization.
+        table: The points, one per row.
+        threads: Number of threads; None uses all cores available to this process.
 
     Returns:
-        By name, a value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for feasible
-        points, else how far they are from that, relative to the limit.
+        By name, one value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for
+        feasible points, otherwise how far they are from being feasible, relative to the limit.
     """
     scenario, names = optimization.scenario, optimization.names
     limit = optimization.joint_rate_limit
@@ -154,10 +154,10 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
 
 
 def losses(names: Sequence[str], found: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Objectives as numbers of which the least is the best, a column each; 0 where there is none.
+    """Return the objectives as losses, of which the smallest is best, one per column; 0 where there is none.
 
     Args:
-        names: Of the objectives.
+        names: Names of the objectives.
         found: Values by name.
     """
     columns = [found[name] if name in COSTS else -found[name] for name in names]
@@ -165,7 +165,7 @@ def losses(names: Sequence[str], found: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _beyond(scenario: lc.Scenario, joint_rate_limit: float | None) -> float:
-    """How far a gait goes beyond what the joints can do, relative to that."""
+    """Return how far a gait exceeds the limits of the joints, relative to them."""
     body, gait = scenario.robot.planar(), scenario.gait
     widest = 0.0
     for joint, envelope in zip(body.joints, gait.joint_envelope(body.n_links), strict=True):
@@ -176,7 +176,7 @@ def _beyond(scenario: lc.Scenario, joint_rate_limit: float | None) -> float:
     return max(0.0, widest - 1.0)
 
 
-# ---- what was found -------------------------------------------------------------------------------------------------
+# ---- results --------------------------------------------------------------------------------------------------------
 
 Losses = Float[np.ndarray, "n_points n_objectives"]
 POINT = "point"
@@ -184,60 +184,60 @@ POINT = "point"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Front:
-    """The points that no other one beats in every objective, of all that were tried; one point for one objective.
+    """Nondominated points of all that were tried; a single point for one objective.
 
-    They are in rising order of the last objective. There is none if no point was feasible.
+    They are in ascending order of the last objective. There are none if no point was feasible.
     """
 
     optimization: Optimization
-    """What was optimized."""
+    """The optimization."""
     values: Table
-    """Of the parameters, a row per point, a column per name of `optimization.names` (SI, radians)."""
+    """Values of the parameters, one row per point and one column per name in `optimization.names` (SI, radians)."""
     figures: Mapping[str, Column]
-    """By name, a value per point of every quantity of a sweep."""
+    """Every quantity of a sweep by name, with one value per point."""
     n_trials: int
-    """How many points were tried."""
+    """Number of points tried."""
     n_infeasible: int
-    """How many of them were not feasible; see `Optimization`."""
+    """Number of infeasible points among them; see `Optimization`."""
     seed: int
-    """Of the search."""
+    """Seed of the search."""
 
     def __len__(self) -> int:
-        """Number of points."""
+        """Return the number of points."""
         return len(self.values)
 
     def scenario(self, point: int) -> lc.Scenario:
-        """The scenario of a point.
+        """Return the scenario of a point.
 
         Args:
-            point: Its number.
+            point: Index of the point.
         """
         sought = self.optimization
         return scenarios_at(sought.scenario, sought.names, self.values[[point]])[0]
 
     def gait(self, point: int) -> lc.Gait:
-        """The gait of a point.
+        """Return the gait of a point.
 
         Args:
-            point: Its number.
+            point: Index of the point.
         """
         return self.scenario(point).gait
 
     def point(self, point: int) -> dict[str, float]:
-        """The parameters and all figures of a point by name.
+        """Return the parameters and all figures of a point by name.
 
         Args:
-            point: Its number.
+            point: Index of the point.
         """
         figures = {name: float(self.figures[name][point]) for name in FIGURES}
         return dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
 
     def at_bounds(self) -> list[dict[str, Any]]:
-        """Where points lie at an end of a range: it may be the range that makes them the best, and not the robot.
+        """Return where points lie at an end of a range: the range, rather than the robot, may make them the best.
 
         Returns:
-            A row for every end with points within `AT_BOUND` of it: `name` of the parameter, `end` ("least" or
-            "greatest"), its `value` (SI, radians), and how many points, `n_points`.
+            One row for every end with points within `AT_BOUND` of it: `name` of the parameter, `end` ("least" or
+            "greatest"), its `value` (SI, radians), and the number of points, `n_points`.
         """
         rows: list[dict[str, Any]] = []
         for (name, ends), column in zip(self.optimization.bounds.items(), self.values.T, strict=True):
@@ -249,10 +249,10 @@ class Front:
         return rows
 
     def spread(self, count: int) -> list[int]:
-        """Numbers of points that lie evenly along the front, its ends included.
+        """Return the indices of points spaced evenly along the front, including its ends.
 
         Args:
-            count: How many at most.
+            count: Maximum number of points.
         """
         if len(self) <= count:
             return list(range(len(self)))
@@ -263,7 +263,7 @@ class Front:
         return sorted({int(np.argmin(np.abs(way - at))) for at in wanted})
 
     def to_dataset(self) -> "xarray.Dataset":
-        """The front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
+        """Return the front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
         import xarray
 
         sought, labels = self.optimization, labels_of(self.optimization.scenario)
@@ -283,16 +283,16 @@ class Front:
         """Write the front to a netCDF file.
 
         Args:
-            path: The file; an older one of that name is replaced.
+            path: Path of the file; an existing file is replaced.
         """
         found: Any = self.to_dataset()
         write(path, lambda new: found.to_netcdf(new, engine="netcdf4"))
 
     def write_csv(self, path: str | Path) -> None:
-        """Write the front to a CSV file: a row per point, SI units, angles in radians.
+        """Write the front to a CSV file: one row per point, SI units, angles in radians.
 
         Args:
-            path: The file; an older one of that name is replaced.
+            path: Path of the file; an existing file is replaced.
         """
         found: Any = self.to_dataset()
         columns: dict[str, Any] = {**found.coords, **found.data_vars}
@@ -301,16 +301,16 @@ class Front:
 
 
 def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
-    """Which points no other one beats: none is better in one objective and as good in the others.
+    """Find the nondominated points: no other point is better in one objective and at least as good in the others.
 
-    Of equal points the first counts.
+    Of equal points, only the first counts.
 
     Args:
-        losses: One or two objectives, smaller is better.
+        losses: One or two objectives; smaller is better.
     """
     kept = np.zeros(len(losses), dtype=bool)
     least = np.inf
-    # In rising order of the first objective, a point is beaten unless it is the best so far in the last one.
+    # In ascending order of the first objective, a point is dominated unless it is the best so far in the last one.
     for i in np.lexsort((np.arange(len(losses)), losses[:, -1], losses[:, 0])):
         if losses[i, -1] < least:
             kept[i], least = True, losses[i, -1]

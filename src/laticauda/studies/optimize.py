@@ -1,15 +1,14 @@
 """Optimization: the gait, fin or number of links with the best speed, power or cost, or the front between two.
 
-A search is determined by its bounds, its seed and the figures that it is given, and a trial by its point. So the points
-and their figures, in one file, are all that must be kept, and nothing of the search's state: a search that was stopped
-is asked the same again, is given from the file what it was given before, and goes on as if nothing had happened, to the
-same bits. Nothing in the file is executed. It is written beside its place and moved there, so it is always that of a
-whole generation.
+A search is determined by its bounds, its seed and the figures returned to it, and a trial by its point. Therefore only
+the points and their figures are stored, in one file, and none of the search's state: a search that was stopped is
+replayed with the figures in the file and then continues as if it had not been stopped, bit for bit. Nothing in the file
+is executed. It is written under another name and then moved into place, so it always holds whole generations.
 
 Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread over the whole front
 at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price, J. Global Optim. 11, 1997): it needs no
-derivatives and no scale for the parameters, keeps to the bounds, and its generations are batches for the kernel. Its
-numbers do not adapt: pymoo's adaptation draws from a generator that cannot be seeded.
+derivatives and no scaling of the parameters, respects the bounds, and its generations are batches for the kernel. Its
+control parameters are fixed, because pymoo's adaptation draws from a generator that cannot be seeded.
 """
 
 import io
@@ -40,25 +39,25 @@ def _joined(before: Columns, after: Columns) -> Columns:
 
 
 class Checkpoint:
-    """Every point that was tried so far, in the order of the search; in a folder, or in memory alone.
+    """All points tried so far, in the order of the search; in a folder, or in memory only.
 
     Args:
-        definition: What the points depend on.
+        definition: Everything that the points depend on.
         n_names: Number of parameters.
-        folder: Where the file is; None keeps nothing.
+        folder: Folder of the file; None stores nothing.
     """
 
     def __init__(self, definition: Mapping[str, Any], n_names: int, folder: Path | None) -> None:
         self.definition, self.folder = definition, folder
         self.tried: Columns = {POINTS: np.empty((0, n_names))}
-        """The points as the search asked for them, a row each, and what they came to, by name."""
+        """The points as requested by the search, one per row, and their results, by name."""
         self.tried |= {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
 
     def load(self) -> None:
-        """Take over what is stored, if anything.
+        """Load the stored points, if any.
 
         Raises:
-            ValueError: If the folder holds something else, or another optimization: the message names what differs.
+            ValueError: If the folder holds something else or another optimization; the message names the differences.
         """
         if self.folder is None or not (self.folder / CHECKPOINT).exists():
             return
@@ -77,13 +76,13 @@ class Checkpoint:
         self.tried = tried
 
     def add(self, fresh: Columns) -> None:
-        """Take a generation in, and store it.
+        """Add a generation, and store it.
 
         Args:
-            fresh: Its points, and what they came to.
+            fresh: Its points and their results.
 
         Raises:
-            StorageFailed: If the file cannot be written; the older one stays.
+            StorageFailed: If the file cannot be written; the previous one is kept.
         """
         before = len(self.tried[POINTS])
         self.tried = _joined(self.tried, fresh)
@@ -100,14 +99,14 @@ LEAST_POPULATION = 4  # differential evolution combines four of them
 
 
 class Search:
-    """A seeded search, between its questions and the answers to them.
+    """A seeded search with an ask-and-tell interface.
 
     Args:
-        low: Least value of every parameter.
-        high: Greatest value of every parameter.
+        low: Smallest value of every parameter.
+        high: Largest value of every parameter.
         n_objectives: 1 or 2.
         population: Points in a generation.
-        seed: Of everything random.
+        seed: Seed of all random numbers.
 
     Raises:
         MissingExtra: If pymoo is not installed.
@@ -130,18 +129,18 @@ class Search:
         self._generation: Any = None
 
     def ask(self) -> Table:
-        """The next generation; no rows if the search has no new points to try."""
+        """Return the next generation; no rows if the search has no new points to try."""
         self._generation = self._algorithm.ask()
         if self._generation is None or len(self._generation) == 0:
             return np.empty((0, self._problem.n_var))
         return np.array(self._generation.get("X"), dtype=float)
 
     def tell(self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]) -> None:
-        """What the points of the last generation came to.
+        """Report the results of the points of the last generation.
 
         Args:
-            losses: Smaller is better; of points that are not feasible any finite number.
-            violation: 0 for points that are feasible, else how far they are from that.
+            losses: Losses (smaller is better); any finite number for infeasible points.
+            violation: 0 for feasible points, otherwise how far they are from being feasible.
         """
         self._generation.set("F", losses)
         self._generation.set("G", violation[:, np.newaxis])
@@ -151,7 +150,7 @@ class Search:
 
 
 def versions() -> dict[str, str]:
-    """Of what the search's numbers depend on besides its arguments.
+    """Return the versions of the packages on which the search's numbers depend, besides its arguments.
 
     Raises:
         MissingExtra: If pymoo is not installed.
@@ -183,27 +182,26 @@ def optimize(
 ) -> Front:
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
 
-    Every generation is a batch of `swim_many`. With a folder, every generation is stored there; an optimization that
-    was stopped or killed goes on from there, and ends with the same bits as one that was not. So does one that is
-    called again with a greater budget.
+    Every generation is one batch of `swim_many`. With a folder, every generation is stored there; an optimization that
+    was stopped or killed continues from there, and ends bit-for-bit the same as one that was not. So does one that is
+    called again with a larger budget.
 
     Args:
         optimization: What may change, and which figures are maximized or minimized.
-        folder: Where the checkpoint goes; made if need be. It must be empty, or hold this very optimization. None
-            keeps nothing.
-        budget: How many points to try.
+        folder: Folder for the checkpoint; created if needed. It must be empty or hold this same optimization. None
+            stores nothing.
+        budget: Number of points to try.
         population: Points in a generation; None takes 100 for two objectives, 40 for one.
-        seed: Of everything random; another one takes another way.
-        progress: Called at the start and after every generation with the number of points tried, and of all.
-        threads: How many to compute with; None takes all cores that this process may use. The result does not depend on
-            it.
+        seed: Seed of all random numbers; another seed takes another path.
+        progress: Called at the start and after every generation with the number of points tried and the total.
+        threads: Number of threads; None uses all cores available to this process. The result does not depend on it.
 
     Returns:
-        The points that no other one beats, of all that were tried.
+        The nondominated points of all that were tried.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder holds something else, or another optimization: the
-            message names what differs.
+        ValueError: If an argument is out of its range, or the folder holds something else or another optimization; the
+            message names the differences.
         StorageFailed: If the checkpoint cannot be written. Nothing that was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
@@ -227,7 +225,7 @@ def optimize(
 def _search(
     optimization: Optimization, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
 ) -> None:
-    """Let the search try points until the budget is spent; those that are remembered do not swim again."""
+    """Let the search try points until the budget is spent; remembered points are not simulated again."""
     remembered, n_done = memory.tried, 0
     progress(min(len(remembered[POINTS]), budget), budget)
     while n_done < budget:

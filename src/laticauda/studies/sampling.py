@@ -1,7 +1,7 @@
-"""Which points a sweep visits: a grid, rows of a list, or low-discrepancy samples.
+"""Points of a sweep: a grid, rows of a list, or low-discrepancy samples.
 
-The points are made region by region from their numbers, never all at once, so ten million take no more memory than one
-region of them.
+The points are generated region by region from their indices, never all at once, so ten million points take no more
+memory than one region.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -24,31 +24,31 @@ TRIAL = "trial"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Values:
-    """Points that are given by their values."""
+    """Points given by their values."""
 
     values: Mapping[str, Any]
-    """Numbers by name of the parameter, in the order of the result's dimensions (SI, radians)."""
+    """Values by name of the parameter, in the order of the result's dimensions (SI, radians)."""
 
     def __post_init__(self) -> None:
-        """Check every value once."""
+        """Check every value."""
         object.__setattr__(self, "values", _checked(self.values))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is swept."""
+        """Names of the swept parameters."""
         return tuple(self.values)
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """The least and the greatest value by parameter."""
+        """Smallest and largest value of each parameter."""
         return {name: (float(np.min(some)), float(np.max(some))) for name, some in self.values.items()}
 
 
 class Grid(_Values):
-    """Every combination of some values per parameter.
+    """Every combination of the given values of the parameters.
 
     Raises:
-        ValueError: If there is no parameter, or one without values, with a value twice or that is no finite number.
+        ValueError: If there is no parameter, or one has no values, a repeated value, or a value that is not finite.
 
     Example:
         >>> Grid(values={"gait.amplitude": [0.2, 0.4, 0.6], "gait.frequency": [1.0, 2.0]}).shape
@@ -56,7 +56,7 @@ class Grid(_Values):
     """
 
     def __post_init__(self) -> None:
-        """Check every value once."""
+        """Check every value, and that none is repeated."""
         super().__post_init__()
         for name, values in self.values.items():
             if len(set(values)) < len(values):
@@ -64,27 +64,27 @@ class Grid(_Values):
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """The dimensions of the result: a parameter each."""
+        """Dimensions of the result, one per parameter."""
         return self.names
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of values per parameter."""
+        """Number of values of each parameter."""
         return tuple(len(values) for values in self.values.values())
 
     def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
-        """The points of some blocks, a row each, the last parameter changing fastest.
+        """Yield the points of each block, one per row, with the last parameter varying fastest.
 
         Args:
-            blocks: A slice per dimension.
-            counts: Names of parameters that take whole numbers only; a grid's are what they are.
+            blocks: Blocks with one slice per dimension.
+            counts: Names of parameters that take whole numbers only; ignored, as the values of a grid are given.
         """
         for block in blocks:
             axes = [np.asarray(values)[part] for values, part in zip(self.values.values(), block, strict=True)]
             yield np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
     def definition(self) -> dict[str, Any]:
-        """What it is, for a file."""
+        """Return the definition of the points for a file."""
         return {"kind": "grid", "values": {name: np.asarray(values).tolist() for name, values in self.values.items()}}
 
 
@@ -92,15 +92,15 @@ class Rows(_Values):
     """A list of points: row i takes value i of every parameter.
 
     Raises:
-        ValueError: If there is no parameter, one without values or with a value that is no finite number, or they have
-            different numbers of values.
+        ValueError: If there is no parameter, one has no values or a value that is not finite, or they have different
+            numbers of values.
     """
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
-    """The one dimension of the result."""
+    """The only dimension of the result."""
 
     def __post_init__(self) -> None:
-        """Check every value once."""
+        """Check every value, and that all parameters have the same number of values."""
         super().__post_init__()
         lengths = {name: len(values) for name, values in self.values.items()}
         if len(set(lengths.values())) > 1:
@@ -109,21 +109,21 @@ class Rows(_Values):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of points."""
+        """Number of points."""
         return (len(next(iter(self.values.values()))),)
 
     def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
-        """The points of some blocks, a row each.
+        """Yield the points of each block, one per row.
 
         Args:
-            blocks: One slice each.
-            counts: Names of parameters that take whole numbers only; a list's are what they are.
+            blocks: Blocks of one slice each.
+            counts: Names of parameters that take whole numbers only; ignored, as the values of a list are given.
         """
         for (rows,) in blocks:
             yield np.stack([np.asarray(values)[rows] for values in self.values.values()], axis=1)
 
     def definition(self) -> dict[str, Any]:
-        """What it is, for a file: a long list by its digest."""
+        """Return the definition of the points for a file: digests, as a list may be long."""
         import hashlib
 
         digests = {name: hashlib.sha256(np.asarray(values).tobytes()) for name, values in self.values.items()}
@@ -135,14 +135,14 @@ class Rows(_Values):
 
 
 def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
-    """Least and greatest values by parameter.
+    """Check ranges, and return the smallest and largest value of each parameter.
 
     Args:
-        argument: Where they are from, for messages.
-        ranges: As they were given.
+        argument: Name of the argument that they come from, for messages.
+        ranges: Ranges as given.
 
     Raises:
-        ValueError: If there is none, or one is no range.
+        ValueError: If there is none, or one is not a range.
     """
     at_least_one(argument, ranges, "parameter")
     found: dict[str, tuple[float, float]] = {}
@@ -160,37 +160,37 @@ def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict
 class Samples:
     """Points that fill a box evenly: the scrambled Halton sequence.
 
-    Unlike random numbers they leave no holes, and unlike a grid they show every parameter at as many values as there
-    are points. The first half of them is as even as the whole.
+    Unlike random numbers, they leave no gaps; unlike a grid, they sample every parameter at as many values as there are
+    points. The first half of them is as even as the whole.
 
     References:
         A. B. Owen, A randomized Halton algorithm in R, arXiv:1706.02808, 2017; as in scipy.stats.qmc.
 
     Raises:
-        ValueError: If there is no parameter, or a range, the number of points or the seed is wrong.
+        ValueError: If there is no parameter, or a range, the number of points or the seed is invalid.
     """
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
-    """The one dimension of the result."""
+    """The only dimension of the result."""
     ranges: Mapping[str, tuple[float, float]] = option("Least and greatest value by name (SI)", check=checked_ranges)
     n_points: int = quantity("", "How many points", ge=1)
     seed: int = quantity("", "Seed of the scrambling; another one gives other points", ge=0, default=0)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is swept."""
+        """Names of the swept parameters."""
         return tuple(self.ranges)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of points."""
+        """Number of points."""
         return (self.n_points,)
 
     def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
-        """The points of some blocks, a row each.
+        """Yield the points of each block, one per row.
 
         Args:
-            blocks: One slice each, in rising order: going back would mean to begin again.
+            blocks: Blocks of one slice each, in ascending order: going back would require starting over.
             counts: Names of parameters that take whole numbers only.
         """
         qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")
@@ -203,12 +203,12 @@ class Samples:
                 engine.fast_forward(rows.start - at)
             unit: Table = engine.random(rows.stop - rows.start)
             at = rows.stop
-            # Every whole number of the range has an equal share.
+            # Every whole number in the range has an equal share.
             steps = np.minimum(np.floor(unit * (high - low + 1.0)), high - low)
             yield np.where(is_count, low + steps, low + unit * (high - low))
 
     def definition(self) -> dict[str, Any]:
-        """What it is, for a file."""
+        """Return the definition of the points for a file."""
         return {
             "kind": "samples",
             "ranges": {name: list(limits) for name, limits in self.ranges.items()},

@@ -1,13 +1,13 @@
-"""The folder of a sweep: its results in zarr, region by region.
+"""Folder of a sweep: its results in zarr, region by region.
 
-    sweep.json      what is swept: a folder belongs to one sweep
+    sweep.json      definition of the sweep: a folder belongs to one sweep
     results.zarr    the Dataset; a region of the sweep is one chunk of every array, hence one file
-    regions.done    a byte per region, 1 once all of it is stored
+    regions.done    one byte per region, 1 once all of it is stored
 
-A file of zarr is written under another name and then renamed, so a chunk is there as a whole or not at all; a region is
-marked when all its chunks are. The mark is one byte in a file that has its full length from the start: it is never
-half written, and a full disk does not keep it off. What is killed in between is simply computed again, to the same
-bits. (This holds for killed programs; after a power failure the file system has its own say.)
+A zarr file is written under another name and then renamed, so a chunk exists either completely or not at all; a region
+is marked once all its chunks exist. The mark is one byte in a file that has its full length from the start: it is never
+half written, and a full disk does not prevent it. A region interrupted in between is simply computed again, to the same
+bits. (This holds for killed programs; after a power failure it depends on the file system.)
 """
 
 import json
@@ -42,30 +42,30 @@ class Store:
     """A sweep's folder, open for writing by this process alone; see `opened`."""
 
     folder: Path
-    """Where it is."""
+    """Path of the folder."""
     sweep: Sweep
-    """Whose it is."""
+    """Sweep to which it belongs."""
     regions: Regions
-    """How it is cut."""
+    """Regions of the sweep."""
     done: np.ndarray
     """Whether each region is stored."""
     n_done: int
-    """Number of trials that are stored."""
+    """Number of stored trials."""
     arrays: Mapping[str, Any]
-    """What is written region by region."""
+    """Arrays that are written region by region."""
     marks: BinaryIO
-    """The file of the marks, not buffered."""
+    """File of the marks, unbuffered."""
 
     def write(self, index: int, table: sweeps.Table, found: Mapping[str, sweeps.Column]) -> None:
         """Store a region, then mark it.
 
         Args:
-            index: Its number.
+            index: Index of the region.
             table: Its points.
             found: Its results by quantity.
 
         Raises:
-            StorageFailed: If it cannot be written: it stays unmarked, and all others stay what they are.
+            StorageFailed: If it cannot be written: it stays unmarked, and all others are unchanged.
         """
         block = self.regions.at(index)
         columns = {**found, **dict(zip(self.sweep.points.names, table.T, strict=True))}
@@ -80,22 +80,22 @@ class Store:
 
 @contextmanager
 def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool) -> Generator[Store]:
-    """Open the folder of a sweep, and make it if there is none.
+    """Open the folder of a sweep, and create it if there is none.
 
     Args:
-        folder: Where it is to be.
-        sweep: What it is to hold.
-        region_size: Of a new one; None for what suits the sweep.
-        resume: Whether it may hold results already.
+        folder: Path of the folder.
+        sweep: Sweep that it is to hold.
+        region_size: Maximum number of trials in a region of a new folder; None chooses what suits the sweep.
+        resume: Whether it may already hold results.
 
     Raises:
-        ValueError: If it holds something else, results that may not be there, or another process writes to it.
-        StorageFailed: If it cannot be made.
+        ValueError: If it holds something else or results that are not allowed, or another process writes to it.
+        StorageFailed: If it cannot be created.
     """
     zarr, path = _zarr(), Path(folder)
     with ExitStack() as held:
         held.enter_context(owned(path, "sweep", DEFINITION))
-        with storage(path, "0 trials are stored"):  # of a new folder, the only one that is written to here
+        with storage(path, "0 trials are stored"):  # for a new folder, the only kind written to here
             regions = _claim(path, sweep, region_size)
             if not (path / DONE).exists():
                 _make(zarr, path, sweep, regions)
@@ -114,11 +114,11 @@ def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume:
 
 
 def open_sweep(folder: str | Path) -> "xarray.Dataset":
-    """The results of a sweep, finished or not, read when they are used.
+    """Open the results of a sweep, finished or not; they are read when they are used.
 
-    A grid has a dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
-    and the parameters as coordinates along it. Points that are still to come are nan, and have not `succeeded`; the
-    attributes `n_trials` and `n_finished` count them.
+    A grid has one dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
+    with the parameters as coordinates along it. Points not yet computed are nan and have not `succeeded`; the
+    attributes `n_trials` and `n_finished` count all points and the finished ones.
 
     Args:
         folder: Where the sweep is stored.
@@ -143,13 +143,13 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
             if name not in dataset.coords:
                 raise BadArgument(name, "is missing, or no coordinate any more")
     for one in dataset.coords.values():
-        one.encoding["_FillValue"] = None  # in a netCDF file of it: none of them is missing
+        one.encoding["_FillValue"] = None  # for a netCDF file of it: no coordinate value is missing
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
 
 def _claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
-    """Say in the folder what it is for, or compare; how its sweep is cut."""
+    """Write the definition of the sweep to the folder, or compare it; return its regions."""
     wanted, stored = as_stored(sweep.definition()), _definition(path)
     if stored is None:
         regions = sweep.regions(region_size)
@@ -163,13 +163,13 @@ def _claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
 
 
 def regions_of(folder: str | Path) -> Regions:
-    """How the stored results are cut, to read them piece by piece.
+    """Return the regions of the stored results, to read them piece by piece.
 
     Args:
-        folder: That of a sweep.
+        folder: Folder of a sweep.
 
     Raises:
-        ValueError: If it is none.
+        ValueError: If it is not the folder of a sweep.
     """
     found = _definition(Path(folder))
     if found is None:
@@ -183,7 +183,7 @@ def _regions(path: Path, definition: Mapping[str, Any]) -> Regions:
 
 
 def _done(path: Path, regions: Regions) -> np.ndarray:
-    """Whether each region is stored, by the marks."""
+    """Return whether each region is stored, according to the marks."""
     done = np.array(bytearray((path / DONE).read_bytes()), dtype=bool)
     if done.size != regions.count:
         raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
@@ -202,19 +202,19 @@ def _definition(path: Path) -> dict[str, Any] | None:
 
 
 def _parameters(path: Path) -> Iterable[str]:
-    """What the definition there says is varied, by a grid, samples or a list of points."""
+    """Return the parameters varied by the stored definition: by a grid, samples or a list of points."""
     points = (_definition(path) or {}).get("points", {})
     return next((points[key] for key in ("values", "ranges", "sha256") if key in points), ())
 
 
 def _by_region(sweep: Sweep) -> dict[str, Any]:
-    """The arrays that have a chunk per region, and what stands in it before."""
+    """Return the arrays that have one chunk per region, and their initial values."""
     names = (*sweeps.QUANTITIES, *(() if isinstance(sweep.points, Grid) else sweep.points.names))
     return {name: False if name == "succeeded" else np.nan for name in names}
 
 
 def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
-    """Make the empty arrays, and last the marks: without them the folder counts as not yet made."""
+    """Create the empty arrays and, last, the marks: without them the folder counts as not yet created."""
     shutil.rmtree(path / RESULTS, ignore_errors=True)
     attributes: dict[str, Any] = {"title": "Sweep", **sweeps.attributes_of(sweep.scenario)}
     if not isinstance(sweep.points, Grid):
@@ -234,14 +234,14 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
     if isinstance(sweep.points, Grid):
         for name, values in sweep.points.values.items():
             group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=labels[name])
-    write(path / DONE, bytes(regions.count))  # the disk has room for the marks, and says so now
+    write(path / DONE, bytes(regions.count))  # if the disk has no room for the marks, this fails now
 
 
 def _zarr() -> Any:
     return optional_import("A sweep", "zarr", "scale")
 
 
-# ---- running a sweep there, and reading what is there ----------------------------------------------------------------
+# ---- running a sweep in a folder, and reading its results ------------------------------------------------------------
 
 
 def run_sweep(
@@ -254,30 +254,30 @@ def run_sweep(
     region_size: int | None = None,
     resume: bool = True,
 ) -> "xarray.Dataset":
-    """Run a sweep, or the rest of it, and keep the results in a folder.
+    """Run a sweep, or the rest of it, and store the results in a folder.
 
-    Work and storage go region by region: a region is marked as done once all of it is stored. So the run may be killed
-    at any moment, even by SIGKILL, and called again: it goes on, and what comes out has the same bits as if it had
-    never stopped (on processors of one kind). Memory does not grow with the number of trials.
+    Work and storage proceed region by region: a region is marked as done once all of it is stored. The run may be
+    killed at any moment, even by SIGKILL, and called again: it continues, and the results are bit-for-bit the same as
+    if it had never stopped (on processors of one kind). Memory does not grow with the number of trials.
 
     Args:
-        sweep: What to run.
-        folder: Where the results go; made if need be. It must be empty, or hold this very sweep.
-        progress: Called at the start and after every region with the number of trials done, and of all.
-        client: A `dask.distributed.Client`: the trials run on its cluster. None runs them here.
-        threads: How many run here at once; None is one per core. On a cluster every thread of a worker is one.
-        region_size: Greatest number of trials in a region of a new folder; None takes about a second of work. The
-            results depend on it by rounding only.
-        resume: False refuses a folder that has results already.
+        sweep: Sweep to run.
+        folder: Folder for the results; created if needed. It must be empty or hold this same sweep.
+        progress: Called at the start and after every region with the number of trials done and the total.
+        client: A `dask.distributed.Client`: the trials run on its cluster. None runs them in this process.
+        threads: Number of threads in this process; None uses one per core. A cluster uses every thread of a worker.
+        region_size: Maximum number of trials in a region of a new folder; None takes about a second of work. The
+            results depend on it only through rounding.
+        resume: False rejects a folder that already has results.
 
     Returns:
         The whole sweep, read from the folder when it is used; see `open_sweep`.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder holds something else, or another sweep: the
-            message names what differs.
+        ValueError: If an argument is out of its range, or the folder holds something else or another sweep; the
+            message names the differences.
         StorageFailed: If the results cannot be written. Nothing that was stored is lost.
-        ClusterFailed: If the cluster's scheduler goes away, or workers die again and again. The same holds.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that was stored is lost.
         MissingExtra: If zarr is not installed, or scipy for samples.
     """
     if threads is not None:
@@ -293,12 +293,12 @@ def run_sweep(
 
 
 def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5) -> list[dict[str, float]]:
-    """The points of a sweep with the greatest speed, or the least power or cost of transport, best first.
+    """Return the points of a sweep with the highest speed, or the lowest power or cost of transport, best first.
 
     Args:
-        folder: That of a sweep, finished or not.
-        quantity: What counts.
-        count: How many points at most; runs that blew up, and points that are still to come, are none.
+        folder: Folder of a sweep, finished or not.
+        quantity: Quantity by which the points are ranked.
+        count: Maximum number of points; runs that diverged and points not yet computed are excluded.
 
     Returns:
         The parameters and all quantities of each point by name.
@@ -320,16 +320,16 @@ def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5)
             within = np.unravel_index(flat, region.shape)
             place = tuple(part.start + int(i) for part, i in zip(block, within, strict=True))
             ranked.append((float(region.flat[flat]), place))
-        # Of equal ones the first in the sweep.
+        # Of equal ones, the first in the sweep.
         ranked = sorted(found for found in ranked if not math.isnan(found[0]))[:count]
     return [_point(dataset, place) for _, place in ranked]
 
 
 def count_failed(folder: str | Path) -> int:
-    """Number of trials that blew up.
+    """Count the trials that diverged.
 
     Args:
-        folder: That of a sweep, finished or not.
+        folder: Folder of a sweep, finished or not.
     """
     dataset, regions = open_sweep(folder), regions_of(folder)
     succeeded = dataset["succeeded"].variable
@@ -341,7 +341,7 @@ def count_failed(folder: str | Path) -> int:
 def _results(
     sweep: Sweep, regions: Regions, pending: list[int], client: Any, threads: int | None
 ) -> Generator[tuple[int, sweeps.Table, dict[str, sweeps.Column]]]:
-    """What the pending regions come to, in the order in which they are done."""
+    """Yield the results of the pending regions in order of completion."""
     tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
     if client is None:
         for index, table in tables:

@@ -1,6 +1,6 @@
-"""What a sweep is: one scenario at thousands to millions of points, cut into regions that are done in one go.
+"""Definition of a sweep: one scenario at thousands to millions of points, divided into regions computed in one go.
 
-And its trials: which points of a scenario's numbers there may be, and what they come to.
+Also its trials: which values the numbers of a scenario may take, and the results.
 """
 
 import itertools
@@ -26,20 +26,20 @@ from laticauda.trial.feasibility import NEEDS
 
 Column = Shaped[np.ndarray, " n_points"]
 Progress = Callable[[int, int], None]
-"""Called now and then with the number of runs done, and of all."""
+"""Called periodically with the number of runs done and the total."""
 
 FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", "heading")), *NEEDS)
-"""Those that are kept of every trial."""
+"""Figures kept for every trial."""
 QUANTITIES = (*FIGURES, "succeeded")
-"""What is kept of every trial."""
+"""Quantities kept for every trial."""
 LABELS = {name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES}
-"""The figures in words, with the unit, as tables and axes have it."""
-# Of these the least is the best, of the others the greatest.
+"""The figures in words, with their units, as shown in tables and on axes."""
+# For these, the smallest is best; for the others, the largest.
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": "environment"}
-# More corners than this are not worth the time: every range's ends are tried in any case.
+# More corners than this are not worth the time: the ends of every range are tried in any case.
 MOST_CORNERS = 256
-# What a region should take on one core, and what a trial of ten links and 30 s takes there, roughly [s].
+# Target time of a region on one core, and approximate time there of a trial of ten links and 30 s [s].
 REGION_TIME = 1.5
 TRIAL_TIME, DRIVEN_TIME = 0.35e-3, 5e-3
 LEAST_SIZE, MOST_SIZE = 64, 16384
@@ -49,27 +49,27 @@ LEAST_SIZE, MOST_SIZE = 64, 16384
 
 
 def check_scenario(scenario: lc.Scenario) -> None:
-    """Refuse a scenario that cannot be changed point by point.
+    """Reject a scenario that cannot be changed point by point.
 
     Raises:
-        ValueError: If it is none, or is not of the planar model.
+        ValueError: If it is not a scenario, or not of the planar model.
     """
     instance("scenario", scenario, lc.Scenario)
     instance("scenario.model", scenario.model, lc.Planar)
 
 
 def definition_of(scenario: lc.Scenario) -> dict[str, Any]:
-    """All of a scenario that the results depend on, for a file."""
+    """Return everything of a scenario that the results depend on, for a file."""
     plain = codec.encode(scenario, lc.Scenario)
     plain["robot"].pop("description", None)
     return {"laticauda": packaging.__version__, **plain}
 
 
 def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
-    """What stands beside stored results about the scenario they are of."""
+    """Return the attributes that describe the scenario of stored results."""
     return {
         "Conventions": "CF-1.11",
-        "history": f"made by laticauda {packaging.__version__}",  # without a date: the same sweep has the same bits
+        "history": f"made by laticauda {packaging.__version__}",  # no date, so that the same sweep gives the same bits
         "robot": scenario.robot.name,
         "gait": scenario.gait.kind,
         "environment": scenario.environment.name,
@@ -80,20 +80,20 @@ def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
 
 
 def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
-    """What stands beside every stored parameter and quantity, by name: what it is, and its unit."""
+    """Return the attributes of every stored parameter and quantity by name: description and unit."""
     known = {name: described(one.phrase, one.unit) for name, one in parameters(scenario).items()}
     return known | {name: of_figure(name) for name in QUANTITIES}
 
 
 def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
-    """Refuse what cannot be swept, before any work is done.
+    """Reject ranges that cannot be swept, before any work is done.
 
-    The ends of all ranges are tried, alone and together: fields have bounds, and some are bounds of others.
+    The ends of all ranges are tried, alone and together: fields have bounds, and some fields bound others.
 
     Args:
         scenario: What all trials share.
-        ranges: Least and greatest value by parameter.
-        argument: Where they are from, for messages.
+        ranges: Smallest and largest value of each parameter.
+        argument: Name of the argument that they come from, for messages.
 
     Raises:
         ValueError: If there is no such parameter, or a value is out of its range; the message has its name.
@@ -120,16 +120,16 @@ def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]
 def swim_points(
     scenario: lc.Scenario, names: tuple[str, ...], table: Table, threads: int | None = None
 ) -> dict[str, Column]:
-    """Let the robots of some points swim.
+    """Simulate the trials of some points.
 
     Args:
         scenario: What all trials share.
-        names: Of the parameters, a column of the table each.
-        table: The points, a row each.
-        threads: How many to compute with; None takes all cores that this process may use.
+        names: Names of the parameters, one per column of the table.
+        table: The points, one per row.
+        threads: Number of threads; None uses all cores available to this process.
 
     Returns:
-        A value per point of every quantity in `QUANTITIES`; nan where a run blew up, or where there is none.
+        One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where there is none.
     """
     runs = runs_of(scenarios_at(scenario, names, table))
     joints = {name: np.full(len(runs), np.nan) for name in NEEDS}
@@ -145,12 +145,12 @@ def swim_points(
 
 
 def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) -> list[lc.Scenario]:
-    """The scenario of every point; equal robots, gaits and environments are one object, made once.
+    """Return the scenario of every point; equal robots, gaits and environments are one object, created once.
 
     Args:
         scenario: What all trials share.
-        names: Of the parameters, a column of the table each.
-        table: The points, a row each.
+        names: Names of the parameters, one per column of the table.
+        table: The points, one per row.
     """
     roots = {root: [i for i, name in enumerate(names) if name.split(".")[0] == root] for root in _ROOTS}
     made: dict[tuple[str, tuple[float, ...]], Any] = {}
@@ -172,7 +172,7 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
 
 @value
 class Sweep:
-    """What to sweep: a scenario, and the points that change numbers of it.
+    """A scenario to sweep, and the points at which its numbers change.
 
     Raises:
         ValueError: If a field is out of its range, a parameter does not exist (the message has the nearest names), or
@@ -194,7 +194,7 @@ class Sweep:
     points: sampling.Points = option("Which points: `Grid`, `Rows` or `Samples`")
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check the fields against each other."""
         check_scenario(self.scenario)
         check_ranges(self.scenario, self.points.ranges)
         if not isinstance(self.points, sampling.Samples):
@@ -208,10 +208,10 @@ class Sweep:
         return int(np.prod(self.points.shape, dtype=np.int64))
 
     def regions(self, size: int | None = None) -> "Regions":
-        """The sweep in pieces of about a second of work: the order of the work and of the files.
+        """Divide the sweep into regions of about a second of work, in the order of the work and of the files.
 
         Args:
-            size: Greatest number of points in a region; None takes one by what a trial costs.
+            size: Maximum number of points in a region; None chooses it from the cost of a trial.
         """
         if size is None:
             s = self.scenario
@@ -221,16 +221,16 @@ class Sweep:
         return cut(self.points.shape, whole("region_size", size, 1))
 
     def tables(self, blocks: Iterable[tuple[slice, ...]]) -> Iterator[Table]:
-        """The points of some regions, one after the other.
+        """Return the points of some regions, one after the other.
 
         Args:
-            blocks: In rising order.
+            blocks: Blocks of the regions, in ascending order.
         """
         known = parameters(self.scenario)
         return self.points.tables(blocks, [name for name in self.points.names if known[name].is_whole])
 
     def definition(self) -> dict[str, Any]:
-        """All that its results depend on, for a file."""
+        """Return everything that its results depend on, for a file."""
         return {**definition_of(self.scenario), "points": self.points.definition()}
 
 
@@ -243,7 +243,7 @@ class Regions:
 
     @property
     def grid(self) -> tuple[int, ...]:
-        """Number of regions along every dimension."""
+        """Number of regions along each dimension."""
         return tuple(-(-n // size) for n, size in zip(self.shape, self.block, strict=True))
 
     @property
@@ -252,10 +252,10 @@ class Regions:
         return math.prod(self.grid)
 
     def at(self, index: int) -> sampling.Block:
-        """The block of one region.
+        """Return the block of one region.
 
         Args:
-            index: Its number, the last dimension counting fastest.
+            index: Index of the region, with the last dimension varying fastest.
         """
         places = np.unravel_index(index, self.grid)
         return tuple(
@@ -264,25 +264,25 @@ class Regions:
         )
 
     def n_points(self, index: int) -> int:
-        """Number of points in a region.
+        """Return the number of points in a region.
 
         Args:
-            index: Its number.
+            index: Index of the region.
         """
         return math.prod(extent(self.at(index)))
 
 
 def extent(block: sampling.Block) -> tuple[int, ...]:
-    """The shape of a block."""
+    """Return the shape of a block."""
     return tuple(part.stop - part.start for part in block)
 
 
 def cut(shape: tuple[int, ...], size: int) -> Regions:
-    """Regions of about `size` points: whole along the last dimensions, nearly equal pieces along the others.
+    """Form regions of about `size` points: whole along the last dimensions, nearly equal pieces along the others.
 
     Args:
-        shape: Of the sweep's points.
-        size: Greatest number of points in a region.
+        shape: Shape of the sweep's points.
+        size: Maximum number of points in a region.
     """
     room = size
     block: list[int] = []

@@ -1,4 +1,4 @@
-"""Arrays and texts of a trial: each check returns the value as it is kept, or raises a ValueError naming the field."""
+"""Checks of a trial's arrays and texts: each returns the value as stored, or raises a ValueError naming the field."""
 
 from collections.abc import Mapping
 from typing import TypeAlias, cast
@@ -9,7 +9,7 @@ from jaxtyping import Float, Shaped
 from laticauda.errors import BadArgument, instance, one_of
 from laticauda.series import numbers
 
-# The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
+# Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever it is given.
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
 Setting: TypeAlias = str | float | bool | None
@@ -17,7 +17,7 @@ AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 
 
 def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
-    """`values` as a read-only float64 array of that shape; None stands for any length."""
+    """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
     array = numbers(name, values)
     if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
@@ -29,7 +29,7 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
 
 
 def times(name: str, values: object) -> Samples:
-    """`values` as read-only moments, at least one, strictly increasing."""
+    """Return `values` as read-only times, at least one, strictly increasing."""
     time = floats(name, values, (None,))
     if time.size < 1:
         raise BadArgument(name, "must have at least 1 sample, got 0")
@@ -41,12 +41,12 @@ def times(name: str, values: object) -> Samples:
 
 
 def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np.ndarray, "..."]]:
-    """What a mapping has under each name as a read-only array of that shape."""
+    """Return every value of a mapping as a read-only array of the given shape."""
     return {key: floats(f"{name}[{key!r}]", one, shape) for key, one in mapping(name, value).items()}
 
 
 def mapping(name: str, value: object) -> Mapping[str, object]:
-    """`value` as a mapping from names that can be those of variables in a file."""
+    """Return `value` as a mapping whose keys can be names of variables in a file."""
     items = cast("Mapping[object, object]", instance(name, value, Mapping))
     for key in items:
         if not isinstance(key, str) or not key.isidentifier():
@@ -55,7 +55,7 @@ def mapping(name: str, value: object) -> Mapping[str, object]:
 
 
 def state_array(name: str, value: object) -> AnyArray:
-    """`value` as a read-only array of its own kind of number, in the machine's byte order."""
+    """Return `value` as a read-only array of its own dtype, in native byte order."""
     array = np.asarray(value)
     if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
         raise ValueError(f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}.")
@@ -63,7 +63,7 @@ def state_array(name: str, value: object) -> AnyArray:
 
 
 def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
-    """`value` as some of the names in `choices`, in their order."""
+    """Return those names in `choices` that `value` contains, in the order of `choices`."""
     given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
     for one in given:
         one_of(name, one, choices)
@@ -71,7 +71,7 @@ def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]
 
 
 def same(one: object, other: object) -> bool:
-    """Whether two contents are the same, arrays bit for bit."""
+    """Return whether two contents are the same, arrays bit for bit."""
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
         a, b = cast("AnyArray", one), cast("AnyArray", other)
         return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
@@ -79,12 +79,12 @@ def same(one: object, other: object) -> bool:
         a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
         return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     plain = cast("object", one)
-    # Texts of values tell 1 from True and 0 from -0.
+    # The texts of values distinguish 1 from True and 0 from -0.
     return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
 
 
 def _read_only(array: AnyArray, value: object) -> AnyArray:
-    # Its maker must neither change it later nor find it locked. So what is not fresh is copied, unless it is locked.
+    # The caller must neither be able to change it later nor find it locked. Copy what is not fresh, unless locked.
     is_fresh = array is not value and array.flags.owndata
     is_locked = not array.flags.writeable and array.flags.owndata
     if not (is_fresh or is_locked):

@@ -1,4 +1,4 @@
-"""What is in a trial: arrays, what swam and how, how it ended."""
+"""Contents of a trial: its arrays, what swam and how, and how the run ended."""
 
 import dataclasses
 import datetime
@@ -15,7 +15,7 @@ from laticauda.trial.arrays import AnyArray, FinJoints, Setting
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 _NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
 NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
-"""What a measured trial may lack; where the robot was is what every trial has."""
+"""Arrays that a measured trial may lack; the position of the robot is in every trial."""
 
 
 def _now() -> str:
@@ -23,11 +23,11 @@ def _now() -> str:
 
 
 def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of the arrays of a trial by name.
+    """Return the shapes of the arrays of a trial by name.
 
     Args:
-        robot: What swims.
-        n_samples: How many samples there are.
+        robot: The robot that swims.
+        n_samples: Number of samples.
         n_axes: 2 in the plane, 3 in space.
     """
     n_links = (robot if n_axes == 3 else robot.planar()).n_links
@@ -37,35 +37,35 @@ def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int,
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Contents(series.Log):
-    """What a trial holds, a log and what made it, checked; `Trial` adds what follows from it.
+    """What a trial holds, a log and its origin, validated; `Trial` adds what is derived from it.
 
     All arrays are float64, finite and read-only. A log in the plane has one column per link of `robot.planar()`, a log
-    in space (three columns in `center_of_mass`) one per module of `robot`. Nothing about a trial can be changed:
-    `dataclasses.replace` makes another one.
+    in space (three columns in `center_of_mass`) one per module of `robot`. A trial is immutable: use
+    `dataclasses.replace` to make a modified copy.
 
     Raises:
-        ValueError: If an array has the wrong shape, holds something else than finite numbers, or time does not
+        ValueError: If an array has the wrong shape, holds anything other than finite numbers, or time does not
             increase.
     """
 
     scenario: scenarios.Scenario | scenarios.Experiment
-    """What swam, how, where and by which model: `laticauda.swim` makes the same trial of a scenario again. An
-    experiment says what is known of a run that was measured, or steered by hand."""
+    """What swam, how, where and by which model: given a scenario, `laticauda.swim` reproduces the trial. An experiment
+    states what is known of a run that was measured, or steered by hand."""
     version: str
     """Version of laticauda that made the run."""
     created: str = dataclasses.field(default_factory=_now)
-    """When it was made: date and time of day with its zone, ISO 8601."""
+    """Creation date and time of day with time zone, ISO 8601."""
     status: str = "The run reached its end."
-    """How the run ended: a sentence, with advice where it failed."""
+    """How the run ended: a sentence, with advice if it failed."""
     succeeded: bool = True
     """Whether the run reached its end."""
     not_measured: tuple[str, ...] = ()
-    """Arrays that nobody measured, see `NOT_NEEDED`: they hold zeros, and figures that need them refuse."""
+    """Arrays that were not measured, see `NOT_NEEDED`: they hold zeros, and figures that need them raise an error."""
     state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
-    """The plant's final state, from which the run can go on; empty where there is none."""
+    """The plant's final state, from which the run can be continued; empty if there is none."""
 
     def __post_init__(self) -> None:
-        """Check everything and freeze every array, once."""
+        """Validate everything and freeze every array, once."""
         instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
         flag("succeeded", self.succeeded)
         for name in ("version", "created", "status"):
@@ -76,42 +76,42 @@ class Contents(series.Log):
 
     @property
     def robot(self) -> Robot:
-        """What swam."""
+        """The robot that swam."""
         return self.scenario.robot
 
     @property
     def gait(self) -> gaits.Gait | None:
-        """What the joints were asked for, at first where it was steered; None where no gait was."""
+        """The commanded gait, for a steered run the initial one; None if there was no gait."""
         return self.scenario.gait
 
     @property
     def environment(self) -> Water | Ground:
-        """What it swam or crawled in."""
+        """The environment in which the robot swam or crawled."""
         return self.scenario.environment
 
     @property
     def settings(self) -> Mapping[str, Setting]:
-        """How the run was made, in texts and numbers: controller and model, or what is known of an experiment."""
+        """Settings of the run as texts and numbers: controller and model, or what is known of an experiment."""
         return self.scenario.settings
 
     @property
     def period(self) -> float | None:
-        """Period of the gait, 2 pi / frequency [s]; None without a gait, or if it stands still."""
+        """Period of the gait, 2 pi / frequency [s]; None without a gait, or if the gait stands still."""
         return 2.0 * np.pi / self.gait.frequency if self.gait is not None and self.gait.frequency > 0.0 else None
 
     @property
     def chain(self) -> Robot:
-        """The robot whose links the columns of `link_angle` are."""
+        """The robot whose links correspond to the columns of `link_angle`."""
         return self.robot if self.center_of_mass.shape[1] == 3 else self.robot.planar()
 
     @property
     def fin_angle(self) -> FinJoints:
-        """Angles of the joints of a fin that is driven or bends, from its root on; 0 where it lacks them [rad]."""
+        """Angles of the joints of a driven or flexible fin, from its root on; 0 if the signals lack them [rad]."""
         return self._of_fin("fin_angle")
 
     @property
     def fin_rate(self) -> FinJoints:
-        """Their rates [rad/s]."""
+        """Rates of the same fin joints [rad/s]."""
         return self._of_fin("fin_rate")
 
     def _of_fin(self, name: str) -> FinJoints:
@@ -119,7 +119,7 @@ class Contents(series.Log):
         return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
 
     def _clean(self) -> dict[str, object]:
-        """Arrays and mappings as they are kept."""
+        """Return the arrays and mappings as they are stored."""
         clean: dict[str, object] = {"time": arrays.times("time", self.time)}
         center = arrays.floats("center_of_mass", self.center_of_mass, (len(self.time), None))
         n_axes = center.shape[1]
@@ -137,18 +137,18 @@ class Contents(series.Log):
         return clean
 
     def equals(self, other: object) -> bool:
-        """Whether `other` is a trial that holds the same, bit for bit: every array, setting and text."""
+        """Return whether `other` is a trial with the same contents, bit for bit: every array, setting and text."""
         if not isinstance(other, Contents):
             return False
         names = (field.name for field in dataclasses.fields(self))
         return all(arrays.same(getattr(self, name), getattr(other, name)) for name in names)
 
     def need(self, purpose: str, *names: str) -> None:
-        """Refuse a measured trial that lacks something.
+        """Reject a measured trial that lacks required arrays.
 
         Args:
-            purpose: What it is needed for, in words.
-            names: Of arrays, as in `not_measured`.
+            purpose: What they are needed for, in words.
+            names: Names of the arrays, as in `not_measured`.
 
         Raises:
             ValueError: If one of them was not measured.

@@ -1,7 +1,7 @@
-"""Whole gait cycles of a log: where they lie, values between samples, means over one cycle.
+"""Whole gait cycles of a log: their positions, values between samples, means over one cycle.
 
 A swimming snake's path and heading carry the ripple of its gait; a mean over exactly one cycle is free of it. Nothing
-here knows about robots: signals in, signals out. A signal may have more axes behind the time axis.
+here knows about robots: signals in, signals out. A signal may have further axes after the time axis.
 """
 
 from typing import Any, NamedTuple
@@ -14,12 +14,12 @@ from laticauda.errors import BadArgument
 Time = Float[np.ndarray, " n_samples"]
 Signal = Float[np.ndarray, "n_samples ..."]
 Points = Float[np.ndarray, "n_points ..."]
-AnyPoints = Inexact[np.ndarray, "n_points ..."]  # or with a complex step
+AnyPoints = Inexact[np.ndarray, "n_points ..."]  # real, or complex for complex-step derivatives
 Middles = Float[np.ndarray, " n_middles"]
 
-TRANSIENT = 10.0  # the start of a run counts as transient for its first third, and at least this long [s]
-SAMPLES_PER_CYCLE = 10  # fewer do not show a cycle
-_ROUNDING = 1e-9  # of a cycle: how much of one may be missing from a whole number of them
+TRANSIENT = 10.0  # the first third of a run, and at least this long, counts as the transient [s]
+SAMPLES_PER_CYCLE = 10  # fewer do not resolve a cycle
+_ROUNDING = 1e-9  # fraction of a cycle that may be missing from a whole number of cycles
 
 
 class CycleMean(NamedTuple):
@@ -35,21 +35,21 @@ class SteadyPart(NamedTuple):
     """The part of a run that counts as steady."""
 
     start: float
-    """Begin [s]."""
+    """Start time [s]."""
     stop: float
-    """End, that of the run [s]."""
+    """End time, which is the end of the run [s]."""
     n_cycles: int | None
-    """Whole gait cycles in it; None where no gait is known."""
+    """Number of whole gait cycles in it; None if no gait is known."""
 
 
 def steady_part(time: Time, period: float | None) -> SteadyPart:
-    """Whole gait cycles at the end of the run, after its first third and at least 10 s.
+    """Find the whole gait cycles at the end of the run, after its first third and at least 10 s.
 
-    As many cycles as fit into that time; without a period, all of it.
+    The part holds as many cycles as fit into that time; without a period, it is all of that time.
 
     Args:
-        time: Of the samples [s].
-        period: Of the gait [s]; None where no gait is known.
+        time: Times of the samples [s].
+        period: Gait period [s]; None if no gait is known.
 
     Raises:
         ValueError: If the run is too short for one cycle; the message says how long it must be.
@@ -71,13 +71,13 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
 
 
 def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]) -> Points:
-    """The signal between its samples: cubic Hermite polynomials, which use its known rate (error ~ step^4).
+    """Interpolate a signal between its samples by cubic Hermite polynomials, using its known rate (error ~ step^4).
 
     Args:
-        time: Of the samples [s], strictly increasing.
+        time: Times of the samples [s], strictly increasing.
         signal: Values at the samples.
         rate: Its time derivative at the samples.
-        at: When the values are wanted [s], inside the log.
+        at: Times at which the values are wanted [s], within the log.
 
     Returns:
         One row per moment in `at`.
@@ -91,37 +91,37 @@ def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray,
 
 
 def hermite(s: Any, step: Any, signal: tuple[AnyPoints, AnyPoints], rate: tuple[AnyPoints, AnyPoints]) -> AnyPoints:
-    """The cubic polynomial between two samples.
+    """Evaluate the cubic polynomial between two samples.
 
     Args:
-        s: Where, from 0 at the first sample to 1 at the second; numbers or arrays.
-        step: Time between the two [s].
-        signal: Values at the two.
-        rate: Time derivatives at the two.
+        s: Position, from 0 at the first sample to 1 at the second; numbers or arrays.
+        step: Time between the two samples [s].
+        signal: Values at the two samples.
+        rate: Time derivatives at the two samples.
     """
     value = signal[0] + s * s * (3.0 - 2.0 * s) * (signal[1] - signal[0])
     return value + step * s * (1.0 - s) * ((1.0 - s) * rate[0] - s * rate[1])
 
 
 def cycle_mean(time: Time, signal: Signal, rate: Signal, period: float) -> CycleMean:
-    """Mean of a signal over the whole gait cycle centered at each moment.
+    """Compute the mean of a signal over the whole gait cycle centered at each moment.
 
         m(t) = 1/T integral of s over [t - T/2, t + T/2]
 
-    Free of every ripple whose period divides T; a straight line is its own cycle mean.
+    The mean is free of every ripple whose period divides T; a straight line is its own cycle mean.
 
     Args:
-        time: Of the samples [s], strictly increasing.
+        time: Times of the samples [s], strictly increasing.
         signal: Values at the samples.
         rate: Its time derivative at the samples.
-        period: T, of the gait [s].
+        period: Gait period T [s].
 
     Raises:
         ValueError: If the log is shorter than one cycle.
     """
     middle = cycle_middles(time, period)
     step = np.diff(time)[(..., *(np.newaxis,) * (signal.ndim - 1))]
-    # The trapezoid's end correction makes the integral as exact as the interpolation.
+    # The end correction of the trapezoidal rule makes the integral as accurate as the interpolation.
     piece = 0.5 * step * (signal[:-1] + signal[1:]) + step**2 / 12.0 * (rate[:-1] - rate[1:])
     integral = np.concatenate((np.zeros_like(signal[:1]), np.cumsum(piece, axis=0)))
     before, after = middle - 0.5 * period, middle + 0.5 * period
@@ -135,13 +135,13 @@ def course_cycle_mean(
     velocity: Float[np.ndarray, "n_samples n_axes"],
     period: float,
 ) -> CycleMean:
-    """Direction of travel [rad], unwrapped: that of the displacement over the cycle centered at each moment.
+    """Return the direction of travel [rad], unwrapped: that of the displacement over the cycle centered at each moment.
 
     Args:
-        time: Of the samples [s], strictly increasing.
-        center_of_mass: p [m], world axes; x and y count.
+        time: Times of the samples [s], strictly increasing.
+        center_of_mass: p [m], world axes; only x and y are used.
         velocity: p' [m/s], world axes.
-        period: Of the gait [s].
+        period: Gait period [s].
 
     Raises:
         ValueError: If the log is shorter than one cycle, or the robot stands still over one.
@@ -153,17 +153,17 @@ def course_cycle_mean(
 
 
 def cycle_middles(time: Time, period: float) -> Middles:
-    """The samples that have half a cycle before and behind them [s].
+    """Return the times of the samples that have half a cycle before and after them [s].
 
     Args:
-        time: Of the samples [s], strictly increasing.
-        period: Of the gait [s].
+        time: Times of the samples [s], strictly increasing.
+        period: Gait period [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     _refuse_coarse(time, period)
-    # A log of exactly one cycle has one middle, whatever the last digit of its times.
+    # A log of exactly one cycle has one middle, whatever the last digits of its times are.
     slack = _ROUNDING * period
     middle = time[(time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)]
     span = float(time[-1] - time[0])
@@ -175,10 +175,10 @@ def cycle_middles(time: Time, period: float) -> Middles:
 
 
 def direction(displacement: Float[np.ndarray, "n_points n_axes"]) -> Float[np.ndarray, " n_points"]:
-    """Angles of displacements in the plane to the world x axis, in [-pi, pi] [rad].
+    """Compute the angles of displacements in the plane from the world x axis, in [-pi, pi] [rad].
 
     Raises:
-        ValueError: If one of them is shorter than a micrometer: it has no direction.
+        ValueError: If a displacement is shorter than a micrometer: it has no direction.
     """
     x, y = displacement[:, 0], displacement[:, 1]
     shortest = float(np.min(np.hypot(x, y)))

@@ -1,10 +1,10 @@
-"""A trial as an xarray Dataset and back, and the formats of files that it is written to.
+"""Conversion of a trial to an xarray Dataset and back, and the file formats that store it.
 
 Every time series is a variable with its dimensions, unit and long name. Everything else is an attribute: a text (TOML
-or JSON, which write floats with all their digits) or a number, so that any tool shows it.
+or JSON, which keep all digits of floats) or a number, so that any tool can display it.
 
-A format is one class in one module, known by the ending of its files. A file appears whole or not at all, over any
-older file of that name: see `laticauda.files.write`.
+A format is one class in one module, selected by the file extension. A file is written completely or not at all, and
+replaces an older file of the same name: see `laticauda.files.write`.
 """
 
 import base64
@@ -28,40 +28,40 @@ if TYPE_CHECKING:
     import xarray
 
 FORMAT = 2
-"""Number of this layout; another one is an older or a newer laticauda's."""
+"""Version number of this layout; another number means an older or newer version of laticauda."""
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
 INDEX = {"link": "number of the link, 0 is the tail", "joint": "number of the joint, tail first", "axis": "world axis"}
-"""What the values of other dimensions than time are."""
+"""Meaning of the values of every dimension except time."""
 TEXTS = ("version", "created", "status")
 
 
 ELECTRICAL = "electrical_work"
 PLAIN = tuple(name for name in SERIES if name not in ("work", ELECTRICAL))
-"""The time series that are an array of `Trial` as it stands."""
+"""Time series stored as single arrays, exactly as in `Trial`."""
 WORK = {
     "work_absolute": "mechanical work of the joints, sum of |u phi'|",
     "work_net": "mechanical work of the joints, sum of u phi'",
     "work_positive": "mechanical work of the joints, sum of max(u phi', 0)",
 }
-"""The columns of `Trial.work`."""
+"""Columns of `Trial.work`."""
 
 
 @cache
 def signals() -> Mapping[str, tuple[str, str]]:
-    """Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
+    """Return unit and meaning of the signals of `laticauda.control` and of spatial runs; other sources may add more."""
     return read_toml(Path(__file__).parent / "signals.toml")
 
 
 def variable(name: str) -> Series:
-    """The description of a time series.
+    """Return the description of a time series.
 
     Args:
-        name: As in the file.
+        name: Name of the series, as in the file.
 
     Raises:
-        KeyError: If no trial has one of that name.
+        KeyError: If no trial has a series of that name.
     """
     if name.startswith(LINK_FORCE):
         words = name.removeprefix(LINK_FORCE).replace("_", " ")
@@ -73,13 +73,13 @@ def variable(name: str) -> Series:
 
 
 def epoch(attributes: Mapping[str, Any]) -> int:
-    """What time 0 of a trial is by the clock on the wall, where a file has to say it [ns since 1970].
+    """Return the wall-clock time of a trial's time 0, for files that must state it [ns since 1970].
 
-    An operated run says when it began; one that was simulated is taken to have begun when it was made, so that the same
-    trial always makes the same file; one that does not say begins in 1970.
+    An operated run records when it began; a simulated run is taken to have begun when it was created, so that the same
+    trial always gives the same file; a run without this information begins in 1970.
 
     Args:
-        attributes: Of its Dataset.
+        attributes: Attributes of the trial's Dataset.
     """
     try:
         moment = datetime.datetime.fromisoformat(str(attributes["created"]))
@@ -90,10 +90,10 @@ def epoch(attributes: Mapping[str, Any]) -> int:
 
 
 def to_dataset(trial: Contents) -> "xarray.Dataset":
-    """A trial as a Dataset, from which `fields_of` has all of it.
+    """Convert a trial to a Dataset, from which `fields_of` recovers all of it.
 
     Args:
-        trial: Any trial.
+        trial: The trial to convert.
     """
     import xarray
 
@@ -114,11 +114,11 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
 
 
 def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -> "xarray.Dataset":
-    """The Dataset of a trial from its time series.
+    """Assemble the Dataset of a trial from its time series.
 
     Args:
-        read: Gives the array of a time series by its name; what it raises passes through.
-        attributes: Those of the Dataset, as they were stored.
+        read: Returns the array of a time series given its name; its exceptions are passed on.
+        attributes: Attributes of the Dataset, as they were stored.
 
     Raises:
         KeyError: If an attribute is missing.
@@ -131,7 +131,7 @@ def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) ->
 
 
 def _names(attributes: Mapping[str, Any]) -> list[str]:
-    """Of the time series of a trial, by what was stored of it."""
+    """Return the names of a trial's time series, according to its stored attributes."""
     check_format(attributes)
     names = [*PLAIN, *WORK, *([ELECTRICAL] if attributes["has_electrical_work"] else [])]
     names += [LINK_FORCE + name for name in json.loads(attributes["link_force"]) or ()]
@@ -139,14 +139,14 @@ def _names(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
-    """What the trial holds that `to_dataset` made a Dataset of, by the fields of `Contents`.
+    """Return the contents of a trial from the Dataset made by `to_dataset`, as the fields of `Contents`.
 
     Args:
-        dataset: As it was made, or as a format read it.
+        dataset: The Dataset as made by `to_dataset`, or as read by a format.
 
     Raises:
         KeyError: If a variable or an attribute is missing.
-        ValueError: If anything is not as it was written.
+        ValueError: If anything differs from what was written.
     """
     attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
     arrays: dict[str, AnyArray] = {name: dataset.variables[name].values for name in _names(attributes)}
@@ -165,13 +165,13 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
 
 
 def check_format(attributes: Mapping[str, Any]) -> None:
-    """Refuse what is no trial, or one of another format.
+    """Reject a Dataset that is not a trial or has another format.
 
     Args:
-        attributes: Of a Dataset.
+        attributes: Attributes of a Dataset.
 
     Raises:
-        ValueError: If they are no trial's that this version reads.
+        ValueError: If they are not those of a trial that this version can read.
     """
     if MARK not in attributes:
         raise ValueError("it is no trial of laticauda.")
@@ -183,17 +183,17 @@ def check_format(attributes: Mapping[str, Any]) -> None:
 
 
 def packed(values: AnyArray) -> dict[str, Any]:
-    """An array of any shape and kind of numbers as data for JSON, bit for bit.
+    """Encode a numeric array of any shape and dtype as JSON-compatible data, bit for bit.
 
     Args:
-        values: The array.
+        values: The array to encode.
     """
     content = base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
     return {"dtype": values.dtype.str, "shape": values.shape, "bytes": content}
 
 
 def _attributes(trial: Contents) -> dict[str, str | int]:
-    """Everything of a trial that is no time series, as texts and numbers."""
+    """Return everything in a trial that is not a time series, as texts and numbers."""
     return {
         MARK: FORMAT,
         "Conventions": "CF-1.11",
@@ -223,16 +223,16 @@ def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
 
 
 class Format(Extensible, group="formats"):
-    """How the Dataset of a trial is written to files of one ending, and read from them.
+    """Writer and reader of a trial's Dataset for files with one extension.
 
-    class Zarr(Format):          # known by its entry point in the group `laticauda.formats`, or once it is imported
-        called = "zarr"          # the ending, without its point
+    class Zarr(Format):          # registered by an entry point in the group `laticauda.formats`, or when imported
+        called = "zarr"          # the file extension, without its dot
     """
 
     title: ClassVar[str] = ""
-    """What it is, in words."""
+    """Description of the format, in words."""
     is_whole: ClassVar[bool] = True
-    """Whether all of a trial is kept, so that it can be read again."""
+    """Whether all of a trial is kept, so that it can be read back."""
 
     @staticmethod
     def write(dataset: "xarray.Dataset", path: Path) -> None:
@@ -240,7 +240,7 @@ class Format(Extensible, group="formats"):
 
         Args:
             dataset: The trial, see `Trial.to_dataset`.
-            path: The file; its name need not have the ending.
+            path: The file; its name need not have the format's extension.
 
         Raises:
             MissingExtra: If a package is not installed.
@@ -250,23 +250,23 @@ class Format(Extensible, group="formats"):
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
-        """The Dataset that was written, with all its numbers and attributes.
+        """Read back the Dataset that was written, with all its numbers and attributes.
 
         Args:
             path: The file.
 
         Raises:
             MissingExtra: If a package is not installed.
-            TrialFileError: If it is no such file.
+            TrialFileError: If the file does not have this format.
             KeyError: If something is missing from it.
-            ValueError: If what it says is no trial, or it is damaged.
+            ValueError: If the content is not a trial, or is damaged.
             OSError: If it cannot be read.
         """
         raise NotImplementedError
 
     @classmethod
     def of(cls, path: Path) -> "type[Format]":
-        """The format of a file by the ending of its name; netCDF if that is none's.
+        """Return the format for a file's extension; netCDF if no format has that extension.
 
         Args:
             path: The file; it need not exist.
@@ -276,7 +276,7 @@ class Format(Extensible, group="formats"):
 
     @classmethod
     def endings(cls) -> tuple[str, ...]:
-        """The endings of all formats, as ".nc"."""
+        """Return the extensions of all formats, such as ".nc"."""
         return tuple(f".{name}" for name in cls.names())
 
 
@@ -285,10 +285,10 @@ def save(dataset: "xarray.Dataset", path: Path) -> None:
 
     Args:
         dataset: The trial.
-        path: The file; its ending says the format.
+        path: The file; its extension sets the format.
 
     Raises:
-        StorageFailed: If the file cannot be written; the message has its name and the reason.
+        StorageFailed: If the file cannot be written; the message gives its name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
     form = Format.of(path)

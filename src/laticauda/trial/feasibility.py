@@ -1,14 +1,14 @@
-"""Can this robot do it? What a run takes of joints and actuators beside what they have, and whether links overlap.
+"""Can this robot do it? What a run demands of joints and actuators, what they offer, and whether links overlap.
 
-An actuator at the rate phi' has the torque of its torque-speed line, u_stall (1 - phi'/phi'_0) less its own friction,
-in the direction of u. That is its `servo` law read backwards: it can as long as its duty stays between -1 and 1,
+The torque available from an actuator at the rate phi', in the direction of u, follows its torque-speed line,
+u_stall (1 - phi'/phi'_0) less its own friction. This is its `servo` law inverted; the duty must stay within -1 and 1:
 
     d = (u + b phi' + u_c tanh(phi'/eps)) / u_stall + phi'/phi'_0
 
-and where it brakes, phi' < 0 in that formula, it has more than at standstill. Links are rectangles of their length and
-width. Neighbors fold over each other where the inner edges of their bend meet beyond the middle of one; links further
-apart overlap where their rectangles do, which is looked for in the plane of the yaw joints, as long as no other joint
-bends.
+When it brakes (phi' < 0 in that formula), more torque is available than at standstill. Links are rectangles with their
+length and width. Neighbors fold over each other when the inner edges of their bend meet beyond the middle of one of
+them; links further apart overlap when their rectangles do, which is checked in the plane of the yaw joints as long as
+no other joint bends.
 """
 
 import math
@@ -27,34 +27,34 @@ Joints = Float[np.ndarray, "n_samples n_joints n_runs"]
 
 _SERIES = ("joint_angle", "joint_rate", "joint_torque")
 NEEDS = {f"peak_{name}": (name,) for name in _SERIES} | {"utilization": _SERIES}
-"""The figures of this module, and what of a log each needs."""
-AT_ONCE = 1 << 20  # samples times pairs of links that are looked at together: 100 MB
+"""The figures of this module, and the series of a log that each needs."""
+AT_ONCE = 1 << 20  # samples times pairs of links processed at once: 100 MB
 ROUNDING = 1e-9
-"""A share that is this much above 1 is 1: servos do deliver all they have."""
+"""A share that exceeds 1 by no more than this counts as 1: servos do deliver all they have."""
 MOST = 40
-"""In how many postures of each of many runs crossing links are looked for."""
+"""Number of postures that are checked for crossing links in each of many runs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Feasibility:
-    """What a run takes of what the robot has."""
+    """What a run demands of the robot, compared with what the robot offers."""
 
     figures: Mapping[str, float]
-    """By name, see `NEEDS`; in SI units."""
+    """Figures by name, see `NEEDS`; in SI units."""
     words: str
-    """The largest angle, rate and torque of a joint, each beside what it has there."""
+    """The largest angle, rate and torque of a joint, each with the value available at that joint."""
     problems: tuple[str, ...]
-    """Why the robot cannot do it, a sentence each; none if it can."""
+    """Reasons why the robot cannot do it, one sentence each; empty if it can."""
 
 
 def settled(time: Float[np.ndarray, " n_samples"], period: float | None) -> Bool[np.ndarray, " n_samples"]:
-    """Which samples count: those after the first gait cycle, in which a run starts; all if not half a cycle is left.
+    """Return which samples count: those after the first (start-up) cycle; all if less than half a cycle is left.
 
-    Half a cycle holds the peaks: the other half is its mirror image.
+    Half a cycle contains the peaks: the other half is its mirror image.
 
     Args:
-        time: Of the samples [s].
-        period: Of the gait, None without one [s].
+        time: Times of the samples [s].
+        period: Gait period, None without a gait [s].
     """
     start = time[0] + (period or 0.0)
     return time >= (start if time[-1] - start >= 0.5 * (period or 0.0) else time[0])
@@ -67,18 +67,18 @@ def _has(robots: Sequence[Robot]) -> np.ndarray:
 
 
 def _motor(actuator: Actuator) -> tuple[float, float, float, float]:
-    """Its torque-speed line; nothing is beyond a motor whose numbers are not stated."""
+    """Return the torque-speed line; a motor whose data are not stated has no limits."""
     if not actuator.stated:
         return math.inf, math.inf, 0.0, 0.0
     return actuator.stall_torque, actuator.no_load_speed, actuator.friction_torque, actuator.viscous_friction
 
 
 def duty(robots: Sequence[Robot], rate: Joints, torque: Joints) -> Joints:
-    """What the actuators' duty d would have to be; beyond -1 and 1 they cannot.
+    """Compute the duty d that the actuators would need; beyond -1 and 1 they cannot follow.
 
     Args:
-        robots: One per run; the planar ones for runs in the plane.
-        rate: phi' of the driven joints, tail first, then that of a driven fin [rad/s].
+        robots: One robot per run, in its planar form for runs in the plane.
+        rate: phi' of the driven joints, tail first, followed by that of a driven fin [rad/s].
         torque: u [N m].
     """
     _, stall, speed, dry, viscous = _has(robots)
@@ -94,15 +94,15 @@ def peaks(
     counts: Bool[np.ndarray, "n_samples n_runs"],
     most: int = MOST,
 ) -> dict[str, Float[np.ndarray, " n_runs"]]:
-    """The figures of many runs; of one that diverged they mean nothing.
+    """Compute the figures of many runs; they are meaningless for a run that diverged.
 
     Args:
-        robots: One per run; the planar ones for runs in the plane.
+        robots: One robot per run, in its planar form for runs in the plane.
         angle: phi [rad].
-        rate: phi' of the driven joints, tail first, then that of a driven fin [rad/s].
+        rate: phi' of the driven joints, tail first, followed by that of a driven fin [rad/s].
         torque: u [N m].
-        counts: Which samples do, see `settled`.
-        most: In how many curled postures of a run links may be looked for that cross, evenly over the run.
+        counts: Which samples count, see `settled`.
+        most: Maximum number of curled postures, evenly spread over a run, that are checked for crossing links.
     """
     mask = counts[:, np.newaxis]
     motion = (angle, rate, torque, duty(robots, rate, torque))
@@ -119,17 +119,17 @@ def peaks(
 
 
 def overlap(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> tuple[float, int, int]:
-    """How near two links come to overlapping, and which two: above 1 they do.
+    """Return how close two links come to overlapping, and which two they are; above 1 they overlap.
 
     Args:
-        robot: Whose links are bent.
-        angle: phi of the joints between them, tail first [rad].
+        robot: The robot whose links are bent.
+        angle: phi of the joints between the links, tail first [rad].
     """
     return max(_fold(robot, np.abs(angle).max(axis=0, initial=0.0)), _crossing(robot, angle))
 
 
 def _fold(robot: Robot, bend: Float[np.ndarray, " n_joints"]) -> tuple[float, int, int]:
-    """The same of neighbors, from the largest bend of every joint [rad]."""
+    """Return the same as `overlap` for neighboring links, from the largest bend of every joint [rad]."""
     found = 0.0, 0, 0
     for i, (joint, angle) in enumerate(zip(robot.joints, bend.tolist(), strict=True)):
         pair = robot.modules[i : i + 2]
@@ -140,13 +140,13 @@ def _fold(robot: Robot, bend: Float[np.ndarray, " n_joints"]) -> tuple[float, in
 
 
 def _room(robot: Robot) -> float:
-    """By how much links may differ in direction so that all come on along the body, and none reaches past the next."""
+    """Return the largest difference in direction at which all links advance along the body and none passes the next."""
     inner = min((module.length for module in robot.modules[1:-1]), default=math.inf)
     return 2.0 * math.atan(0.5 * inner / max(module.section.half_width for module in robot.modules))
 
 
 def _crossing(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> tuple[float, int, int]:
-    """The same of links that are no neighbors, as rectangles: by the axes that may separate two of them."""
+    """Return the same as `overlap` for other pairs of links, as rectangles, by the axes that may separate them."""
     is_yaw = [joint.axis == "yaw" for joint in robot.joints]
     if not angle.size or robot.n_links < 3 or np.any(angle[:, np.logical_not(is_yaw)]):
         return 0.0, 0, 0
@@ -170,12 +170,12 @@ def _crossing(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> t
 
 
 def feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
-    """What a run takes of what the robot has.
+    """Compare what a run demands of the robot with what the robot offers.
 
     Args:
-        robot: The planar one for a run in the plane.
-        log: Of the run; what was not measured is 0 there, and takes nothing.
-        period: Of the gait, None without one [s].
+        robot: The robot, in its planar form for a run in the plane.
+        log: Log of the run; series that were not measured are 0 there, and demand nothing.
+        period: Gait period, None without a gait [s].
     """
     counts = settled(log.time, period)
     fin = [log.signals.get(name, 0.0 * log.time) for name in ("fin_angle_0", "fin_rate_0", "fin_torque")]
@@ -186,7 +186,7 @@ def feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
     found = peaks([robot], angle, rate, torque, all_count, len(angle))
     words, problems = _said(robot, angle, rate, torque) if n_driven else ("none", list[str]())
     figures = {name: float(one[0]) for name, one in found.items()}
-    if figures["utilization"] > 1.0 + ROUNDING:  # only then may links overlap, too
+    if figures["utilization"] > 1.0 + ROUNDING:  # only then can links overlap as well
         share, i, j = overlap(robot, angle[:, : robot.n_joints, 0])
         if share > 1.0 + ROUNDING:
             problems.append(f"links {i} and {j} overlap")
@@ -194,7 +194,7 @@ def feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
 
 
 def _said(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[str, list[str]]:
-    """The largest angle, rate and torque in words, each beside what its joint has; and what goes beyond that."""
+    """Describe the largest angle, rate and torque, each with the value available, and list whatever exceeds it."""
     limit, _, speed, _, _ = _has([robot])
     used = np.abs(np.stack((angle / limit, rate / speed, duty([robot], rate, torque))))
     places = [tuple(map(int, np.unravel_index(np.argmax(one), one.shape))) for one in used]
@@ -226,7 +226,7 @@ def _said(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[st
 
 
 def peak(name: str) -> Callable[[Any], float]:
-    """What gives one of the figures of a trial; it raises a ValueError if what it needs was not measured.
+    """Return a function that computes a figure of a trial; it raises a ValueError if required data were not measured.
 
     Args:
         name: One of `NEEDS`.

@@ -1,6 +1,6 @@
-"""Figures of path following: how soon and how well a run came to its path, one meaning each.
+"""Figures of path following: how soon and how closely a run reached its path, each with a single meaning.
 
-Pure functions of the distance from the path over time, like `metrics`. All but the last speak of its mean over the gait
+Pure functions of the distance from the path over time, like `metrics`. All but the last use its mean over the gait
 cycle: the center of mass of a swimming snake swings across its course, and that swing is the ripple, not an error.
 """
 
@@ -15,29 +15,29 @@ from laticauda.files import read_toml
 from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
 from laticauda.trial.trial import Trial
 
-TOLERANCE = 0.1  # of the cycle mean, within which a run counts as converged [m]
-_ROUNDING = 1e-9  # of a cycle
+TOLERANCE = 0.1  # cycle-mean error within which a run counts as converged [m]
+_ROUNDING = 1e-9  # fraction of a cycle
 
 
 class Convergence(NamedTuple):
-    """When and where a run came to its path."""
+    """When and where a run reached its path."""
 
     time: float
-    """Since the start of the run [s]."""
+    """Time since the start of the run [s]."""
     distance: float
     """Progress along the path since the start [m]."""
 
 
 def mean_error(time: Time, cross_track_error: Time, period: float) -> CycleMean:
-    """The cross-track error averaged over the gait cycle around each moment [m].
+    """Average the cross-track error over the gait cycle around each moment [m].
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
+        period: Gait period [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     return cycle_mean(time, cross_track_error, _rate(time, cross_track_error), period)
 
@@ -45,25 +45,25 @@ def mean_error(time: Time, cross_track_error: Time, period: float) -> CycleMean:
 def convergence(
     time: Time, cross_track_error: Time, along_track_distance: Time, period: float, tolerance: float = TOLERANCE
 ) -> Convergence | None:
-    """When the cycle-mean error came within the tolerance and stayed there for a whole cycle.
+    """Find when the cycle-mean error came within the tolerance and stayed there for a whole cycle.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        along_track_distance: How far along the path [m].
-        period: Of the gait [s].
+        along_track_distance: Position along the path [m].
+        period: Gait period [s].
         tolerance: Largest cycle-mean error to either side [m].
 
     Returns:
-        Time and progress along the path until then; None if it never did.
+        Time and progress along the path up to then; None if it never converged.
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     positive("tolerance", tolerance, "m")
     middle, error = mean_error(time, cross_track_error, period)
     outside = np.flatnonzero(np.abs(error) > tolerance)
-    # Between two excursions, and before the first and after the last, it is inside: the first such time that lasts.
+    # The error is inside between two excursions, before the first and after the last: take the first span long enough.
     entries = np.concatenate(([0], outside + 1))
     exits = np.concatenate((outside, [middle.size]))
     for entry, leave in zip(entries, exits, strict=True):
@@ -75,48 +75,48 @@ def convergence(
 
 
 def overshoot(time: Time, cross_track_error: Time, period: float) -> float:
-    """Largest cycle-mean error on the other side of the path than the one where the run began [m], at least 0.
+    """Return the largest cycle-mean error on the side of the path opposite to the start of the run [m], at least 0.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
+        period: Gait period [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     error = mean_error(time, cross_track_error, period).value
     return max(0.0, float(np.max(-np.sign(cross_track_error[0]) * error)))
 
 
 def steady_error(time: Time, cross_track_error: Time, period: float, start: float, stop: float = np.inf) -> float:
-    """Root mean square of the cycle-mean error from `start` on and before `stop` [m].
+    """Compute the root mean square of the cycle-mean error from `start` on and before `stop` [m].
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
-        start: Since the start of the run; what was before does not count [s].
-        stop: Likewise; what comes from then on does not count [s].
+        period: Gait period [s].
+        start: Time since the start of the run; what was before does not count [s].
+        stop: Time since the start of the run; what comes from then on does not count [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
     return _root_mean_square(error[_since(time[0], middle, start) & (middle - time[0] < stop)])
 
 
 def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> float:
-    """Root mean square of the error minus its cycle mean from `start` on [m].
+    """Compute the root mean square of the error minus its cycle mean from `start` on [m].
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
-        start: Since the start of the run; what was before does not count [s].
+        period: Gait period [s].
+        start: Time since the start of the run; what was before does not count [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
     here = interpolated(time, cross_track_error, _rate(time, cross_track_error), middle)
@@ -124,40 +124,40 @@ def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> 
 
 
 def last_third_error(time: Time, cross_track_error: Time, period: float) -> float:
-    """Mean of the cycle-mean error over the last third of the run, with its sign [m].
+    """Compute the mean of the cycle-mean error over the last third of the run, with its sign [m].
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
+        period: Gait period [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     return float(np.mean(last_third(time, cross_track_error, period)))
 
 
 def last_third(time: Time, cross_track_error: Time, period: float) -> Middles:
-    """The cycle-mean error over the last third of the run [m].
+    """Return the cycle-mean error over the last third of the run [m].
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         cross_track_error: Distance from the path, positive to the left [m].
-        period: Of the gait [s].
+        period: Gait period [s].
 
     Raises:
-        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
     return error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]
 
 
 def saturated_share(time: Time, is_saturated: Time) -> float:
-    """Share of the run during which the offset was at its limit [-].
+    """Compute the share of the run during which the offset was at its limit [-].
 
     Args:
-        time: Of the samples [s].
-        is_saturated: 1 where it was, 0 where it was not, each until the next sample.
+        time: Times of the samples [s].
+        is_saturated: 1 where it was at the limit, 0 where not; each value holds until the next sample.
 
     Raises:
         ValueError: If there are fewer than two samples.
@@ -172,13 +172,13 @@ FIGURES: dict[str, tuple[str, str]] = read_toml(Path(__file__).with_suffix(".tom
 
 
 def summary(trial: Trial) -> dict[str, float | None]:
-    """The figures of a path-following run by the names of `FIGURES`; None where a run has no such figure.
+    """Return the figures of a path-following run by the names of `FIGURES`; None where the run does not define one.
 
     Args:
         trial: A run with the signals of `laticauda.control.PathFollowing`.
 
     Raises:
-        ValueError: If the trial has no such signals.
+        ValueError: If the trial lacks these signals.
     """
     if "cross_track_error" not in trial.signals:
         raise BadArgument("trial", "must be a run that followed a path: it has no signal `cross_track_error`")
@@ -204,12 +204,12 @@ def summary(trial: Trial) -> dict[str, float | None]:
 
 
 def path_of(trial: Trial) -> Any:
-    """The path that a run was to follow; None if nobody knows."""
+    """Return the path that a run was to follow; None if it is unknown."""
     return getattr(getattr(trial.scenario, "motion", None), "path", None)
 
 
 def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
-    """Point of the path beside the robot at every sample [m]: the path as far as the robot went along it.
+    """Return the point of the path abreast of the robot at every sample [m]: the part of the path that it covered.
 
     Args:
         trial: A run with the signals of `laticauda.control.PathFollowing`.
@@ -226,7 +226,7 @@ def _rate(time: Time, signal: Time) -> Time:
 
 
 def _since(begin: float, middle: Middles, start: float) -> Bool[np.ndarray, " n_middles"]:
-    """Which of the middles of cycles lie after `start`, time since the begin of the run."""
+    """Return which cycle middles lie at or after `start`, a time since the beginning of the run."""
     inside = middle - begin >= start
     if not np.any(inside):
         last = float(middle[-1] - begin)

@@ -1,4 +1,4 @@
-"""Markers on the body: where a trial says that they were, beside where cameras saw them."""
+"""Markers on the body: their positions according to a trial, compared with those seen by cameras."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ Places = Float[np.ndarray, "n_samples n_markers 2"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
-    """Where markers were seen."""
+    """Observed positions of markers."""
 
     time: Float[np.ndarray, " n_samples"]
-    """Since the start of the run [s]."""
+    """Time since the start of the run [s]."""
     place: Places
-    """Of every marker, in the axes of the cameras; nan where one was not seen [m]."""
+    """Position of every marker, in the axes of the cameras; nan where one was not seen [m]."""
 
     @classmethod
     def read(cls, path: str | Path) -> "Track":
-        """The track in a CSV file: `time_s`, and `NAME_x_m` and `NAME_y_m` of every marker, in the order of columns.
+        """Read a track from a CSV file: `time_s`, and `NAME_x_m` and `NAME_y_m` of every marker, in column order.
 
         Args:
-            path: Of the file.
+            path: Path of the file.
 
         Raises:
-            TrialFileError: If it cannot be read, or anything in it is wrong.
+            TrialFileError: If the file cannot be read, or anything in it is wrong.
         """
         columns = files.read_columns(path, TrialFileError)
         names = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m")]
@@ -44,11 +44,11 @@ class Track:
 
 
 def marker_places(trial: Trial, along: Sequence[float]) -> Places:
-    """Where markers were at the samples of a trial.
+    """Compute the positions of markers at the samples of a trial.
 
     Args:
-        trial: Of a robot whose body lies in the plane.
-        along: Of each marker: its distance from the tail end along the straight body [m].
+        trial: Trial of a robot whose body lies in the plane.
+        along: Distance of each marker from the tail end along the straight body [m].
     """
     robot = trial.chain
     ends = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle).link_ends
@@ -62,22 +62,22 @@ def marker_places(trial: Trial, along: Sequence[float]) -> Places:
 def marker_distance(
     trial: Trial, track: Track, along: Sequence[float], *, fitted: tuple[float, float]
 ) -> tuple[Float[np.ndarray, " n_times"], Float[np.ndarray, " n_times"]]:
-    """How far the markers of a trial are from those of a track, once the start of both has been laid on each other.
+    """Compute the distance between the markers of a trial and those of a track, after aligning the start of both.
 
-    The trial is turned and moved, as a rigid body, by what fits best (least squares) in a span of time; after it, what
-    is left is where the trial swims elsewhere, turns otherwise, or bends in another shape.
+    The trial is rotated and translated as a rigid body for the best fit (least squares) in a span of time. After that
+    span, the remaining distances show where the trial swims elsewhere, turns differently, or bends into another shape.
 
     Args:
-        trial: Simulated, say.
-        track: Seen.
-        along: Of each marker: its distance from the tail end along the straight body [m].
-        fitted: The span of time that is fitted [s].
+        trial: The trial, for instance a simulated one.
+        track: The observed track.
+        along: Distance of each marker from the tail end along the straight body [m].
+        fitted: The span of time used for the fit [s].
 
     Returns:
-        The times of the track within the trial [s], and the root of the mean square of the distances there [m].
+        The times of the track within the trial [s], and the root mean square distance at these times [m].
 
     Raises:
-        ValueError: If the track has another number of markers, or none in the span.
+        ValueError: If the track has a different number of markers, or none in the span.
     """
     if track.place.shape[1] != len(along):
         raise BadArgument("along", f"must have one distance per marker, {track.place.shape[1]}, got {len(along)}")

@@ -1,18 +1,18 @@
-"""What was measured, to stand beside runs: published trials, and tables of speeds.
+"""Measurements to compare with runs: published trials, and tables of speeds.
 
-Published trials are found by the setting of a run. Whoever has such numbers adds a class: an installed package offers
-its trials as an entry point of the group ``laticauda.measured_trials``.
+Published trials are found by the setting of a run. To add measurements, add a class: an installed package provides
+its trials through an entry point of the group ``laticauda.measured_trials``.
 
-A table of measured speeds, the commonest data of a swimming lab, is a CSV file with one row a trial. The first row has
-the columns' names, in any order:
+A table of measured speeds, the most common data of a swimming lab, is a CSV file with one row per trial. The first row
+has the column names, in any order:
 
     gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W
     LU,nofin,30,130,40,0.1514,106.63
     LU,nofin,30,130,40,0.1498,105.10
 
 `gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward velocity (5). A speed
-may be missing; the electrical power above idle, P_avg_W, may be missing as a column, too, and so may all else that
-`SpeedTrial` has a default for. A column says its unit, and numbers that can only be in another one are refused.
+may be missing; the column P_avg_W, the electrical power above idle, may be missing too, and so may every column for
+which `SpeedTrial` has a default. Column names state the unit; numbers that can only be in another unit are rejected.
 """
 
 import math
@@ -31,26 +31,26 @@ from laticauda.trial.trial import Trial
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredTrial:
-    """One setting that was measured, without steering."""
+    """One measured setting, without steering."""
 
     gait: gaits.Gait
-    """What the joints were asked for."""
+    """The commanded gait."""
     robot: str
     """The robot's name (`laticauda.load_robot`)."""
     has_fin: bool
-    """Whether it wore the caudal fin."""
+    """Whether the robot wore the caudal fin."""
     forward_velocity: float | None
-    """Equation (5); None where it was not available [m/s]."""
+    """Equation (5); None if not available [m/s]."""
     mean_power: float | None
     """Electrical power above idle (4), not comparable with a mechanical power; None if not available [W]."""
     is_maximum: bool = False
     """Whether it was published as the fastest of a sweep, so that its speed is biased upward by selection."""
     duration: float
-    """Of the trial, from rest [s]."""
+    """Duration of the trial, from rest [s]."""
     source: str
     """Where it was published, in a word or two."""
     about: str
-    """What swam where, and what one has to know of the numbers, in a sentence without its full stop."""
+    """What swam where, and what one needs to know about the numbers, in a sentence without its final period."""
 
 
 class MeasuredTrials(extensions.Extensible, group="measured_trials"):
@@ -58,31 +58,31 @@ class MeasuredTrials(extensions.Extensible, group="measured_trials"):
 
     @abstractmethod
     def trials(self) -> Sequence[MeasuredTrial]:
-        """All of them; settings that were published without a number too."""
+        """Return all measured settings, including those published without a number."""
 
     @abstractmethod
     def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
-        """What was measured in this very setting, or None.
+        """Return the measurement in exactly this setting, or None.
 
         Args:
-            robot: What swims.
-            gait: How, without steering.
-            environment: In what.
+            robot: The robot that swims.
+            gait: Its gait, without steering.
+            environment: The environment in which it swims.
         """
 
 
 def all_measured() -> list[MeasuredTrials]:
-    """All published measurements that are installed."""
+    """Return all installed collections of published measurements."""
     return [MeasuredTrials.named(name)() for name in MeasuredTrials.names()]
 
 
 def measured_setting(robot: Robot, gait: gaits.Gait | None, environment: Environment) -> MeasuredTrial | None:
-    """What was measured in a setting, or None.
+    """Return the measurement in a given setting, or None.
 
     Args:
-        robot: What swims.
-        gait: How, without steering; None has no counterpart.
-        environment: In what.
+        robot: The robot that swims.
+        gait: Its gait, without steering; None has no counterpart.
+        environment: The environment in which it swims.
     """
     if gait is None:
         return None
@@ -91,7 +91,7 @@ def measured_setting(robot: Robot, gait: gaits.Gait | None, environment: Environ
 
 
 def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
-    """What was measured in the setting of a run, or None.
+    """Return the measurement in the setting of a run, or None.
 
     Args:
         trial: A run.
@@ -102,13 +102,13 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
 # ---- tables of speeds -----------------------------------------------------------------------------------------------
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
-"""The gaits as tables call them."""
-_RADIANS = 3.2  # angles [deg] none of which is greater can only be radians
+"""Gait abbreviations used in tables."""
+_RADIANS = 3.2  # if no angle [deg] exceeds this, the angles can only be radians
 
 
 @value
 class SpeedTrial:
-    """A row of the file."""
+    """A row of a table of speeds."""
 
     gait: Literal["LU", "EEL"] = option("Kind of the gait")
     config: Literal["nofin", "fin"] | None = option("With caudal fin or without; left out: as the robot", default=None)
@@ -124,17 +124,17 @@ class SpeedTrial:
     selected_from: int = quantity("", "Of how many settings about as good it is the best", ge=1, default=1)
 
     def __post_init__(self) -> None:
-        """Refuse what is no gait."""
+        """Reject values that do not form a valid gait."""
         _ = self.motion
 
     @property
     def motion(self) -> gaits.Gait:
-        """What the joints were asked for."""
+        """The commanded gait."""
         return gait_in_table(self.gait, self.alpha_deg, self.omega_deg_s, self.delta_deg)
 
 
 def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: float) -> gaits.Gait:
-    """The gait that a row of a table says.
+    """Return the gait described by a row of a table.
 
     Args:
         kind: One of `KINDS`.
@@ -154,11 +154,11 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
     """Load a table of speeds from a CSV file.
 
     Args:
-        path: Of the file; its columns are those of this module's description.
+        path: Path of the file; its columns are those described at the top of this module.
 
     Raises:
-        TrialFileError: If it cannot be read, or anything in it is wrong; the message has the row, counted as a
-            spreadsheet does, with the head as row 1.
+        TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives the row, counted as in
+            a spreadsheet, with the header as row 1.
     """
     names, rows = files.read_rows(path, TrialFileError)
     _check_columns(path, names)
@@ -191,7 +191,7 @@ def _check_columns(path: str | Path, given: list[str]) -> None:
 
 
 def _cell(name: str, text: str) -> Any:
-    """A text, or a number."""
+    """Convert a cell to a number, or keep it as text."""
     if name in ("gait", "config", "robot"):
         return text
     try:

@@ -1,8 +1,8 @@
-"""Figures of a run: one meaning each, the same for a simulation and for the robot in the tank.
+"""Figures of a run, each with a single meaning that is the same for a simulation and for the robot in the tank.
 
-Those of arrays and plain numbers serve whoever has no trial; those of a trial are its properties. Where a figure has no
-meaning, as a cost per meter of a robot that stood still or a steady velocity of a run of two seconds, they raise a
-`ValueError` that says why; none returns nan.
+Figures of arrays and plain numbers can be used without a trial; figures of a trial are its properties. Where a figure
+has no meaning, such as a cost per meter of a robot that stood still or a steady velocity of a run of two seconds, the
+function raises a `ValueError` that states the reason; none returns nan.
 """
 
 import numpy as np
@@ -20,14 +20,14 @@ Path = Float[np.ndarray, "n_samples n_axes"]
 Joints = Float[np.ndarray, "n_samples n_joints"]
 
 STANDARD_GRAVITY = 9.81  # [m/s2]
-STILL = 1e-9  # a speed below this is rounding [m/s]
+STILL = 1e-9  # a speed below this is rounding error [m/s]
 
 
-# ---- of arrays and numbers -----------------------------------------------------------------------------------------
+# ---- figures of arrays and numbers ---------------------------------------------------------------------------------
 
 
 def duration(time: Time) -> float:
-    """Length of the log [s].
+    """Return the length of the log [s].
 
     Raises:
         ValueError: If it has fewer than two samples.
@@ -38,17 +38,17 @@ def duration(time: Time) -> float:
 
 
 def mean_velocity(time: Time, center_of_mass: Path) -> Float[np.ndarray, " n_axes"]:
-    """Displacement of the center of mass over the whole run / its duration [m/s], world axes."""
+    """Compute the displacement of the center of mass over the whole run / its duration [m/s], world axes."""
     return (center_of_mass[-1] - center_of_mass[0]) / duration(time)
 
 
 def forward_velocity(time: Time, center_of_mass: Path) -> float:
-    """Straight-line displacement of the center of mass over the whole run / its duration [m/s].
+    """Compute the straight-line displacement of the center of mass over the whole run / its duration [m/s].
 
-    Equation (5) of the paper. It contains the start, and a curved run has less of it than of `path_speed`.
+    Equation (5) of the paper. It includes the start, and on a curved run it is smaller than `path_speed`.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         center_of_mass: p [m], world axes.
 
     Raises:
@@ -58,10 +58,10 @@ def forward_velocity(time: Time, center_of_mass: Path) -> float:
 
 
 def path_speed(time: Time, center_of_mass: Path) -> float:
-    """Length of the path of the center of mass / duration [m/s]; never below `forward_velocity`.
+    """Compute the length of the path of the center of mass / duration [m/s]; never below `forward_velocity`.
 
     Args:
-        time: Of the samples [s].
+        time: Times of the samples [s].
         center_of_mass: p [m], world axes.
 
     Raises:
@@ -71,11 +71,11 @@ def path_speed(time: Time, center_of_mass: Path) -> float:
 
 
 def mean_power(time: Time, work: Time) -> float:
-    """Mean power of a cumulative work over the whole run [W]: what was added / duration.
+    """Compute the mean power from cumulative work over the whole run [W]: work done in the run / duration.
 
     Args:
-        time: Of the samples [s].
-        work: Done since the start of the count [J].
+        time: Times of the samples [s].
+        work: Work done since counting began [J].
 
     Raises:
         ValueError: If the log has fewer than two samples.
@@ -84,23 +84,23 @@ def mean_power(time: Time, work: Time) -> float:
 
 
 def integral(time: Time, values: Signal) -> Signal:
-    """The integral of values so far, from 0 on, by trapezoids.
+    """Compute the cumulative integral of values, starting from 0, by the trapezoidal rule.
 
     Args:
-        time: Of the samples [s].
-        values: At the samples, along the first axis.
+        time: Times of the samples [s].
+        values: Values at the samples, along the first axis.
     """
     pieces = 0.5 * np.diff(time) * (values[1:] + values[:-1]).T
     return np.concatenate((np.zeros_like(values[:1]), np.cumsum(pieces.T, axis=0)))
 
 
 def joint_work(time: Time, torque: Joints, rate: Joints) -> Float[np.ndarray, "n_samples 3"]:
-    """Work of the joints so far [J]: of sum |u phi'|, of sum u phi', of sum max(u phi', 0).
+    """Compute the cumulative work of the joints [J]: of sum |u phi'|, of sum u phi', of sum max(u phi', 0).
 
     Args:
-        time: Of the samples [s].
-        torque: Of every joint [N m].
-        rate: Of every joint [rad/s].
+        time: Times of the samples [s].
+        torque: Torque of every joint [N m].
+        rate: Rate of every joint [rad/s].
     """
     power = torque * rate
     kinds = np.abs(power), power, np.maximum(power, 0.0)
@@ -108,7 +108,7 @@ def joint_work(time: Time, torque: Joints, rate: Joints) -> Float[np.ndarray, "n
 
 
 def joules_per_meter(power: float, speed: float) -> float:
-    """Energy per distance P / v [J/m].
+    """Compute the energy per distance P / v [J/m].
 
     Args:
         power: P [W].
@@ -121,24 +121,24 @@ def joules_per_meter(power: float, speed: float) -> float:
 
 
 def cost_of_transport(power: float, weight: float, speed: float) -> float:
-    """Cost of transport P / (W v), dimensionless.
+    """Compute the cost of transport P / (W v), dimensionless.
 
     Args:
         power: P [W].
-        weight: W [N]: in water that of the displaced water, see `carried_weight`.
+        weight: W [N]: in water the weight of the displaced water, see `carried_weight`.
         speed: v [m/s].
 
     Raises:
-        ValueError: If the robot did not move, or weighs nothing.
+        ValueError: If the robot did not move, or has no weight.
     """
     return power / (positive("weight", weight, "N") * _moving(speed))
 
 
 def carried_weight(robot: Robot, environment: Water | Ground) -> float:
-    """The weight that a cost of transport is measured by [N].
+    """Return the weight used in the cost of transport [N].
 
-    In water rho V g, that of the displaced water: published masses of swimming robots are ambiguous by a factor of
-    two, the volume is not. On ground m g.
+    In water it is the weight of the displaced water, rho V g: published masses of swimming robots are ambiguous by a
+    factor of two, the volume is not. On ground it is m g.
     """
     if isinstance(environment, Ground):
         return robot.mass * environment.gravity
@@ -146,33 +146,33 @@ def carried_weight(robot: Robot, environment: Water | Ground) -> float:
 
 
 def linear_drag_share(water: Water, speed: float) -> float:
-    """Share of the linear term in the axial drag at a speed, U_ref / (U_ref + v), from 0 to 1.
+    """Compute the share of the linear term in the axial drag at a given speed, U_ref / (U_ref + v), from 0 to 1.
 
-    Where it is large, C_f is a lumped number and not a skin friction.
+    Where the share is large, C_f is a lumped coefficient and not a skin friction.
 
     Args:
-        water: Which terms it has, and U_ref.
+        water: Water that defines the drag terms and U_ref.
         speed: v through the water [m/s].
 
     Raises:
         ValueError: If the water has no drag at that speed.
     """
-    total, near = -_along(water, speed), 1e-300  # a speed at which nothing but the linear part is left
+    total, near = -_along(water, speed), 1e-300  # a speed at which only the linear part remains
     if total <= 0.0:
         raise ValueError("The water must have drag, and the robot a speed, for a share of the linear drag.")
     return -_along(water, near) / near * speed / total
 
 
 def towing_drag(robot: Robot, water: Water, speed: float) -> float:
-    """Drag of the straight robot, with its fin, when it is towed along itself [N].
+    """Compute the drag of the straight robot, with its fin, when it is towed along its own axis [N].
 
-        F = sum c_t v (U_ref + v),    over links and fin strips, each term only if the water has it
+        F = sum c_t v (U_ref + v),    over links and fin strips, each term only if the water includes it
 
-    Tether and pectoral fins are left out.
+    Tether and pectoral fins are not included.
 
     Args:
-        robot: Whose links are summed.
-        water: Its coefficients and drag terms.
+        robot: Robot whose links are summed.
+        water: Water that defines the coefficients and drag terms.
         speed: v through the water [m/s].
     """
     from laticauda.hydrodynamics import link_coefficients
@@ -191,26 +191,26 @@ def _moving(speed: float) -> float:
 
 
 def _along(water: Water, speed: float) -> float:
-    """Drag along a straight body, per coefficient of 1 [m2/s2]."""
+    """Compute the drag along a straight body, per unit coefficient [m2/s2]."""
     return water.drag(speed, 0.0, 0.0, 0.0, Element(1.0, 0.0, 0.0, 0.0))[0]
 
 
-# ---- of a trial ----------------------------------------------------------------------------------------------------
+# ---- figures of a trial --------------------------------------------------------------------------------------------
 
 
 def work_power(trial: Contents, kind: int) -> float:
-    """Mean mechanical power [W].
+    """Compute the mean mechanical power [W].
 
     Args:
         trial: The run.
-        kind: Which column of its `work`.
+        kind: Column of the trial's `work`.
     """
     trial.need("a mechanical power", "work")
     return mean_power(trial.time, trial.work[:, kind])
 
 
 def electrical_power(trial: Contents) -> float:
-    """Mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
+    """Compute the mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
     if trial.electrical_work is None:
         raise ValueError(
             "Nothing says what the motors draw: give --joints servo (in Python joints='servo'), or a robot with an "
@@ -220,7 +220,7 @@ def electrical_power(trial: Contents) -> float:
 
 
 def speed_through_water(trial: Contents) -> float:
-    """As `forward_velocity` of a trial, relative to the water: the current where it is is taken off [m/s]."""
+    """Compute the `forward_velocity` of a trial relative to the water: the local current is subtracted [m/s]."""
     velocity = mean_velocity(trial.time, trial.center_of_mass)
     if isinstance(water := trial.environment, Water):
         around = water.velocity(trial.center_of_mass, trial.time)
@@ -229,35 +229,35 @@ def speed_through_water(trial: Contents) -> float:
 
 
 def steady_velocity(trial: Contents) -> float:
-    """As `forward_velocity`, over the steady part of a trial only [m/s]; a ValueError if it is too short.
+    """Compute the `forward_velocity` over the steady part of a trial only [m/s]; a ValueError if the run is too short.
 
     The steady part is as many whole gait cycles as fit after the first third of the run and after 10 s, counted back
-    from the end; without a gait all of that time. So neither the start nor the gait's ripple is in it.
+    from the end; without a gait, all of that time. It therefore includes neither the start nor the gait's ripple.
     """
     part = cycles.steady_part(trial.time, trial.period)
     return float(np.linalg.norm(_displacement(trial, part))) / (part.stop - part.start)
 
 
 def course(trial: Contents) -> float:
-    """Direction of travel over the steady part of a trial, in [-pi, pi] from the world x axis, counter-clockwise [rad].
+    """Return the direction of travel over the steady part, in [-pi, pi] from the world x axis, counter-clockwise [rad].
 
-    It raises a ValueError if the trial is too short, or the robot stands still.
+    Raises a ValueError if the trial is too short or the robot stands still.
     """
     displacement = _displacement(trial, cycles.steady_part(trial.time, trial.period))
     return float(cycles.direction(displacement[np.newaxis])[0])
 
 
 def heading_mean(trial: Contents) -> CycleMean:
-    """Heading of a trial averaged over the gait cycle around each moment; a ValueError if there is no whole cycle."""
+    """Average a trial's heading over the gait cycle around each moment; a ValueError if there is no whole cycle."""
     trial.need("a mean heading", "heading")
     return cycles.cycle_mean(trial.time, trial.heading, trial.heading_rate, _period(trial))
 
 
 def sideslip(trial: Contents) -> float:
-    """Course minus heading of a trial, both as cycle means, averaged over the steady part [rad].
+    """Compute course minus heading of a trial, both as cycle means, averaged over the steady part [rad].
 
-    Positive when the robot travels to the left of where it points. It raises a ValueError if the trial is too short, or
-    the robot stands still.
+    Positive when the robot travels to the left of its heading. Raises a ValueError if the trial is too short or the
+    robot stands still.
     """
     trial.need("a sideslip", "heading")
     time, period = trial.time, _period(trial)
@@ -268,14 +268,14 @@ def sideslip(trial: Contents) -> float:
         rule = "must hold the middle of a whole gait cycle after the transient for a sideslip"
         raise BadArgument("time", f"{rule}: make it one sample longer than {time[-1] - time[0]:.4g} s at least")
     angle = (traveled - pointed)[inside]
-    # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
+    # Average directions, not numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))
 
 
 def turning_rate(trial: Contents) -> float:
-    """Slope of the heading's cycle mean over the steady part, by least squares; positive to the left [rad/s].
+    """Compute the least-squares slope of the heading's cycle mean over the steady part; positive to the left [rad/s].
 
-    It raises a ValueError if the steady part of the trial is shorter than two cycles: one mean has no slope.
+    Raises a ValueError if the steady part of the trial is shorter than two cycles: a single mean has no slope.
     """
     trial.need("a turning rate", "heading")
     period = _period(trial)
@@ -290,12 +290,12 @@ def turning_rate(trial: Contents) -> float:
 
 
 def strouhal_number(trial: Contents) -> float:
-    """Strouhal number f A / U of the tail of a trial [-].
+    """Compute the Strouhal number f A / U of the tail of a trial [-].
 
     f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge (without a fin, of
-    the tail end) across the course. A is taken cycle by cycle over the steady part, each across its own course, and
-    averaged: on a straight path that is the excursion over the whole steady part, on a curved one the curve itself
-    does not count. Eels swim at about 0.32 (Tytell 2004). It raises a ValueError if the trial is too short, or the
+    the tail end) across the course. A is computed for each cycle of the steady part, across the course of that cycle,
+    and averaged: on a straight path this is the excursion over the whole steady part; on a curved path the curve itself
+    does not count. Eels swim at about 0.32 (Tytell 2004). Raises a ValueError if the trial is too short or the
     robot stands still.
     """
     trial.need("a Strouhal number", "link_angle")
@@ -312,11 +312,11 @@ def strouhal_number(trial: Contents) -> float:
 
 
 def quasi_propulsive_efficiency(trial: Contents) -> float:
-    """Towing power of the straight robot at the speed of a trial / mechanical power of its joints [-].
+    """Compute the towing power of the straight robot at the speed of a trial / mechanical power of its joints [-].
 
-    It compares the swimmer with the same body on a rope, so unlike a propeller's efficiency it has no bound of 1. A
-    "Froude efficiency" is not defined for a body that propels itself: thrust and drag are one force. It raises a
-    ValueError on ground, or if the joints did no work.
+    The efficiency compares the swimmer with the same body under tow, so unlike a propeller's efficiency it is not
+    bounded by 1. A "Froude efficiency" is not defined for a self-propelled body: thrust and drag are one force. Raises
+    a ValueError on ground, or if the joints did no work.
     """
     speed = speed_through_water(trial)
     drag = towing_drag(trial.chain, _water(trial, "a towing drag"), speed)
@@ -327,7 +327,7 @@ def quasi_propulsive_efficiency(trial: Contents) -> float:
 
 
 def drag_share(trial: Contents) -> float:
-    """`linear_drag_share` at the speed of a trial through the water [-]; a ValueError on ground, or without drag."""
+    """Compute `linear_drag_share` at a trial's speed through the water [-]; a ValueError on ground, or without drag."""
     return linear_drag_share(_water(trial, "a share of the linear drag"), speed_through_water(trial))
 
 
@@ -350,7 +350,7 @@ def _displacement(trial: Contents, part: SteadyPart) -> Float[np.ndarray, " n_ax
 
 
 def _in_steady_part(time: Time, period: float) -> Bool[np.ndarray, " n_middles"]:
-    """Which of the cycle middles belong to cycles inside the steady part."""
+    """Return which cycle middles belong to cycles within the steady part."""
     middle = cycles.cycle_middles(time, period)
     part = cycles.steady_part(time, period)
     slack = 1e-9 * period

@@ -1,6 +1,6 @@
-"""Null models: speeds that are predicted without physics, from the gait's name and frequency and the fin alone.
+"""Null models: speeds predicted without physics, from the gait's name and frequency and the fin alone.
 
-Each is fitted to measured speeds by least squares of the logarithm.
+Each is fitted to measured speeds by least squares, all but the mean stride length of the logarithm.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,21 +19,21 @@ Design = Float[np.ndarray, "n_rows n_parameters"]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """What a null model knows of a row of a table of speeds."""
+    """What a null model knows about a row of a table of speeds."""
 
     gait: Gait
-    """What the joints were asked for."""
+    """The commanded gait."""
     has_fin: bool
     """Whether the robot wore the caudal fin."""
 
     @property
     def group(self) -> str:
-        """Name of the part of the table that it is in."""
+        """Name of the group that the row belongs to."""
         return group_name(self.gait.kind, self.has_fin)
 
 
 def group_name(gait: str, has_fin: bool) -> str:
-    """What tables and files call one gait with one configuration of the robot.
+    """Return the name that tables and files use for one gait with one configuration of the robot.
 
     Args:
         gait: The gait's kind.
@@ -51,12 +51,12 @@ def _fin_and_eel(rows: Sequence[Row], groups: Sequence[str]) -> Design:
 
 
 class _Form(NamedTuple):
-    """What is fitted: columns of numbers to speeds, or to their logarithm."""
+    """Form of the fit: numeric columns fitted to the speeds, or to their logarithms."""
 
     columns: Callable[[Sequence[Row], Sequence[str]], Design]
-    """Of rows, from the names of all groups."""
+    """The columns of given rows, from the names of all groups."""
     is_stride: bool = False
-    """Whether the speeds are those per cycle: v proportional to the frequency."""
+    """Whether speeds per cycle are fitted: v proportional to the frequency."""
     is_log: bool = True
     """Whether logarithms are fitted."""
 
@@ -67,16 +67,16 @@ NULL_MODELS = {
     "constant stride per group": _Form(_per_group, is_stride=True),
     "constant stride + fin + eel": _Form(_fin_and_eel, is_stride=True),
 }
-"""Speeds without physics: a number per group, or a number and two factors; and the same for the distance per cycle."""
+"""Models without physics: one number per group, or one number and two factors; also for the distance per cycle."""
 MEAN_STRIDE = "mean stride per group"
 PREDICTORS = {**NULL_MODELS, MEAN_STRIDE: _Form(_per_group, is_stride=True, is_log=False)}
-"""The same, and the constant stride with the arithmetic mean of each group's strides instead of the geometric one."""
+"""The null models, and the constant stride with the arithmetic, not the geometric, mean of each group's strides."""
 
 
 def _fitted(
     form: _Form, rows: Sequence[Row], measured: Values, others: Sequence[Row]
 ) -> tuple[Float[np.ndarray, " n_others"], int, bool]:
-    """Speeds of other rows by least squares, how many numbers are fitted, and whether the rows suffice for all."""
+    """Predict other rows by least squares; also return the number of fitted parameters and whether the rows suffice."""
     groups = sorted({row.group for row in (*rows, *others)})
     known, asked = form.columns(rows, groups), form.columns(others, groups)
     units = [np.array([row.gait.frequency if form.is_stride else 1.0 for row in some]) for some in (rows, others)]
@@ -91,25 +91,25 @@ class NullModel:
     """How well speeds are predicted without physics."""
 
     name: str
-    """Which of `NULL_MODELS`."""
+    """Name of the model, one of `NULL_MODELS`."""
     n_parameters: int
-    """How many numbers are fitted."""
+    """Number of fitted parameters."""
     speeds: Values
-    """What it says of the speeds that it is fitted to [m/s]."""
+    """Predictions of the speeds that the model is fitted to [m/s]."""
     fitted: float
-    """Mean error over them [%]."""
+    """Mean absolute error of these predictions [%]."""
     left_out: float
-    """The same with each one predicted by the others; nan if they do not suffice [%]."""
+    """The same with each row predicted from the others; nan if they do not suffice [%]."""
     group_left_out: float
-    """The same with each group predicted by the others [%]."""
+    """The same with each group predicted from the others; nan if they do not suffice [%]."""
 
 
 def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
-    """Every null model fitted to the same speeds, and how it does on those that were left out of the fit.
+    """Fit every null model to the same speeds, and evaluate it on speeds that were left out of the fit.
 
     Args:
-        rows: What they are fitted to.
-        measured: Their speeds [m/s].
+        rows: The rows that the models are fitted to.
+        measured: Their measured speeds [m/s].
     """
     groups = np.unique([row.group for row in rows], return_inverse=True)[1]
     found: list[NullModel] = []
@@ -123,11 +123,11 @@ def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
 
 
 def _left_out(form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.ndarray, " n_rows"]) -> Values:
-    """Each speed as the rows with another number in `by` say it; nan where they do not suffice."""
+    """Predict each speed from the rows with another number in `by`; nan where they do not suffice."""
     found = np.full(measured.size, np.nan)
     for number in np.unique(by):
         out = by == number
-        if out.all():  # nothing is left to say it
+        if out.all():  # no rows are left to predict it from
             break
         kept, asked = ([row for row, mine in zip(rows, some, strict=True) if mine] for some in (~out, out))
         speeds, _, suffices = _fitted(form, kept, measured[~out], asked)
@@ -139,19 +139,19 @@ def _left_out(form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.nda
 def predict(
     name: str, rows: Sequence[Row], measured: Values, others: Sequence[Row]
 ) -> tuple[Float[np.ndarray, " n_others"], int]:
-    """Speeds of other rows than those that a null model is fitted to.
+    """Predict the speeds of rows other than those that a null model is fitted to.
 
     Args:
         name: One of `PREDICTORS`.
-        rows: What it is fitted to; must hold every group of the others.
-        measured: Their speeds [m/s].
-        others: What it predicts.
+        rows: The rows that the model is fitted to; they must contain every group of the others.
+        measured: Their measured speeds [m/s].
+        others: The rows to predict.
 
     Returns:
-        Their speeds [m/s], and how many numbers are fitted.
+        The predicted speeds [m/s], and the number of fitted parameters.
 
     Raises:
-        ValueError: If the others hold a group that the rows do not hold.
+        ValueError: If the others contain a group that the rows do not contain.
     """
     unknown = sorted({row.group for row in others} - {row.group for row in rows})
     if unknown:
@@ -161,14 +161,14 @@ def predict(
 
 
 def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) -> float:
-    """Mean absolute percentage error, 100 mean |predicted - measured| / measured [%].
+    """Compute the mean absolute percentage error, 100 mean |predicted - measured| / measured [%].
 
     Args:
-        measured: All > 0.
-        predicted: In the same unit.
+        measured: Measured values, all > 0.
+        predicted: Predicted values, in the same unit.
 
     Raises:
-        ValueError: If there is no value, the numbers of values differ, or a measured one is not > 0.
+        ValueError: If there are no values, the numbers of values differ, or a measured value is not > 0.
     """
     if measured.size == 0 or measured.shape != predicted.shape:
         raise BadArgument("predicted", f"must have {measured.size} values, at least 1, got {predicted.size}")

@@ -1,4 +1,4 @@
-"""Several trials: side by side with their differences to the first, or two in a row as one."""
+"""Several trials: compared side by side with their differences from the first, or two in a row joined into one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,9 +15,9 @@ from laticauda.trial.trial import FIGURES, Figure, Trial
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
 
 ROUNDING = 1e-6
-"""A figure below this, in its SI unit, is nothing but rounding: no other is a share of it."""
+"""A reference value below this, in its SI unit, is only rounding error: no difference is given in percent of it."""
 LARGEST_PERCENT = 1000.0
-"""A difference of more is no longer read as a share: the first is next to nothing beside the other."""
+"""Percentages larger than this are not reported: the first value is then negligible compared with the other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,25 +25,25 @@ class ComparedFigure:
     """One figure of several trials, side by side."""
 
     figure: Any
-    """Which one, a `Figure`; as the type of a field that would be read as a property."""
+    """The `Figure`; typed Any because a field of the type `Figure` would be read as a property."""
     values: tuple[float | None, ...]
-    """One value per trial, in the figure's unit; None where it has no meaning."""
+    """One value per trial, in the figure's unit; None where the figure has no meaning."""
     differences: tuple[float | None, ...]
-    """Each value minus the first trial's, in the figure's unit, an angle's in [-pi, pi); None where either is None."""
+    """Each value minus the first trial's, in the figure's unit, angles in [-pi, pi); None where either is None."""
     differences_percent: tuple[float | None, ...]
-    """The same in percent of the first; None where that says nothing: either is None, the first is next to nothing
-    (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
+    """The differences in percent of the first value; None where that is meaningless: either value is None, the first is
+    negligible (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
 
 
 def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
-    """The figures of several trials side by side, with their differences to the first.
+    """Compare the figures of several trials side by side, with their differences from the first.
 
     Args:
-        trials: At least two, the one to compare with first; or a list of them.
+        trials: At least two trials, the reference first; or a list of them.
 
     Returns:
-        One row per figure that has a meaning for any of them, in the order of `FIGURES`. Where some trials have a
-        power model and some have none, the figures made of `mean_power` are left out.
+        One row per figure that has a meaning for any of the trials, in the order of `FIGURES`. If only some of the
+        trials have a power model, the figures based on `mean_power` are left out.
 
     Raises:
         ValueError: If there are fewer than two trials.
@@ -52,7 +52,7 @@ def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
     if len(given) < 2:
         raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(given)}")
     columns = [cast(Trial, instance(f"trials[{i}]", one, Trial)).figures()[0] for i, one in enumerate(given)]
-    # A mechanical and an electrical power differ by a factor of ten: side by side they would mislead.
+    # Mechanical and electrical power differ by a factor of ten: side by side they would be misleading.
     mixed = len({trial.mean_power_kind for trial in given}) > 1
     rows: list[ComparedFigure] = []
     for figure in FIGURES:
@@ -79,27 +79,27 @@ def _percent(difference: float | None, reference: float | None) -> float | None:
     return share if abs(share) <= LARGEST_PERCENT else None
 
 
-_TOLERANCE = 1e-9  # of position [m] and angles [rad] at the joint: a restart continues the very state
+_TOLERANCE = 1e-9  # of position [m] and angles [rad] where the runs meet: a restart continues from the exact state
 _CONTINUED = ("center_of_mass", "center_of_mass_velocity", "heading", "link_angle", "joint_angle", "joint_rate")
 
 
 def joined(first: Trial, second: Trial) -> Trial:
-    """One trial of two: `second` was restarted from the final state of `first`.
+    """Join two trials into one: `second` was restarted from the final state of `first`.
 
-    The sample at which they meet is in both and kept once. If the second run counted its time or its work from zero,
-    they are counted on. Settings and gait are the first's, how it ended and the final state are the second's.
+    The sample at which they meet is in both and is kept once. If the second run counted time or work from zero, they
+    are shifted to continue the first. Settings and gait come from the first, status and final state from the second.
 
     Args:
         first: A run that reached its end.
-        second: The run that went on from there.
+        second: The run that continued from there.
 
     Raises:
-        ValueError: If they differ in robot, gait, environment or what they log, or the second does not begin where the
-            first ends.
+        ValueError: If they differ in robot, gait, environment or what they log, or if the second does not begin where
+            the first ends.
     """
     _check_belong(first, second)
     series = vars(concatenated((first, second.at(slice(1, None)))))
-    # At the joint a signal is what the second run decided there, as at every other control instant.
+    # Where the runs meet, a signal has the value set by the second run, as at every other control instant.
     signals = {name: np.concatenate((one[:-1], second.signals[name])) for name, one in first.signals.items()}
     counted = {"time": _counted_on(first.time, second.time), "work": _counted_on(first.work, second.work)}
     if first.electrical_work is not None and second.electrical_work is not None:
@@ -115,7 +115,7 @@ def joined(first: Trial, second: Trial) -> Trial:
 
 
 def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Scenario | Experiment:
-    """That of the run that was never cut; a controller began anew at the cut, and no scenario says so."""
+    """Return the scenario of one uncut run; a controller restarts at the cut, which no scenario can describe."""
     if isinstance(first, Scenario) and isinstance(second, Scenario) and isinstance(first.motion, gaits.Gait):
         return replace(first, duration=first.duration + second.duration)
     return Experiment(robot=first.robot, gait=first.gait, environment=first.environment, model=first.model)
@@ -140,6 +140,6 @@ def _logged(trial: Trial) -> tuple[bool, set[str], set[str]]:
 
 
 def _counted_on(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """`second` behind `first`, shifted only if it starts elsewhere: a shift by rounding would change its last bits."""
+    """Append `second`, shifted only if it starts elsewhere: a shift by rounding error would change its last bits."""
     shift = first[-1] - second[0]
     return np.concatenate((first, second[1:] + shift if np.any(shift) else second[1:]))

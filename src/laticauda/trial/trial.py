@@ -1,6 +1,6 @@
-"""The log of one run, simulated or real: what everything that swims hands over, and everything that looks at it takes.
+"""The log of one run, simulated or real: the output of everything that swims, and the input of every analysis.
 
-What is sampled stands in `contents`; the figures of the run are declared here and defined in `metrics`.
+The sampled data are defined in `contents`; the figures of the run are declared here and computed in `metrics`.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 
 class Figure:
-    """One figure of a run: a property of `Trial`, worked out once, that tables show with its unit and title.
+    """One figure of a run: a property of `Trial`, computed once, that tables show with its unit and title.
 
     Args:
-        unit: Its unit; "" for a pure number.
-        title: What it is, in a few words.
-        of: The figure of a trial; it raises a ValueError that says why there is none.
+        unit: Unit of the figure; "" for a pure number.
+        title: Title, in a few words.
+        of: Function that computes the figure of a trial; it raises a ValueError that states why there is none.
 
-    A figure that is not finite is none, wherever it is asked for.
+    Access to a figure that is not finite raises an error.
     """
 
     def __init__(self, unit: str, title: str, of: Callable[[Any], float]) -> None:
@@ -52,7 +52,7 @@ class Figure:
             found = float(self._of(trial))
         if not np.isfinite(found):
             raise BadArgument(self.name, f"must be a finite number, and this run's samples make it {found}")
-        vars(trial)[self.name] = found  # found there from now on
+        vars(trial)[self.name] = found  # from now on, access finds it there
         return found
 
 
@@ -79,16 +79,16 @@ class Trial(contents.Contents):
         "mean power, mechanical unless there is a power model",
         lambda t: t.mechanical_power if t.electrical_work is None else t.electrical_power,
     )
-    """The electrical power, or the mechanical one if there is no power model: see `mean_power_kind` [W]."""
+    """The electrical power, or the mechanical power if there is no power model: see `mean_power_kind` [W]."""
     mechanical_power = Figure("W", "mechanical power, mean of sum |u phi'|", lambda t: metrics.work_power(t, 0))
     net_power = Figure("W", "mechanical power, net", lambda t: metrics.work_power(t, 1))
-    """Mean of sum u phi': braking joints give their power back [W]."""
+    """Mean of sum u phi': braking joints return their power [W]."""
     positive_power = Figure("W", "mechanical power, positive work only", lambda t: metrics.work_power(t, 2))
     """Mean of sum max(u phi', 0): braking joints cost nothing [W]."""
     electrical_power = Figure("W", "electrical power above idle", metrics.electrical_power)
-    """Mean electrical power above idle (4) [W]; refused if the run has no power model."""
+    """Mean electrical power above idle (4) [W]; raises an error if the run has no power model."""
     total_power = Figure("W", "electrical power with idle", lambda t: t.electrical_power + t.robot.idle_power)
-    """`electrical_power` with what the robot draws at rest, `robot.idle_power` (Mamba: V I_0 = 41.3 W) [W]."""
+    """`electrical_power` plus what the robot draws at rest, `robot.idle_power` (Mamba: V I_0 = 41.3 W) [W]."""
     cost_of_transport = Figure(
         "",
         "cost of transport: mean power / (weight * speed)",
@@ -96,55 +96,55 @@ class Trial(contents.Contents):
             t.mean_power, metrics.carried_weight(t.robot, t.environment), t.forward_velocity
         ),
     )
-    """`mean_power` / (W v) with W the weight of the displaced water, on ground the robot's own [-]; refused if the
-    robot did not move."""
+    """`mean_power` / (W v) with W the weight of the displaced water, on ground the robot's own [-]; raises an error if
+    the robot did not move."""
     joules_per_meter = Figure(
         "J/m",
         "energy per meter, from mean power",
         lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity),
     )
-    """`mean_power` / `forward_velocity` [J/m]; refused if the robot did not move."""
+    """`mean_power` / `forward_velocity` [J/m]; raises an error if the robot did not move."""
     quasi_propulsive_efficiency = Figure(
         "", "towing power of the straight robot / mechanical power", metrics.quasi_propulsive_efficiency
     )
-    """Towing power of the straight robot at its speed through the water / mechanical power [-]; refused on ground, or
-    if the joints did no work."""
+    """Towing power of the straight robot at its speed through the water / mechanical power [-]; raises an error on
+    ground, or if the joints did no work."""
     linear_drag_share = Figure("", "share of the linear term in the axial drag", metrics.drag_share)
-    """Share of the linear term in the axial drag at the robot's speed through the water [-]; refused on ground, or in
-    water without drag."""
+    """Share of the linear term in the axial drag at the robot's speed through the water [-]; raises an error on ground,
+    or in water without drag."""
     course = Figure("rad", "direction of travel, steady part", metrics.course)
-    """Direction of travel over the steady part, from the world x axis [rad]; refused if the run is too short, or the
-    robot stands still."""
+    """Direction of travel over the steady part, from the world x axis [rad]; raises an error if the run is too short or
+    the robot stands still."""
     sideslip = Figure("rad", "course minus heading, steady part", metrics.sideslip)
-    """Course minus heading over the steady part, as cycle means; positive: it drifts to its left [rad]."""
+    """Course minus heading over the steady part, as cycle means; positive: the robot drifts to its left [rad]."""
     turning_rate = Figure("rad/s", "slope of the heading's cycle mean", metrics.turning_rate)
     """Slope of `heading_cycle_mean` over the steady part; positive to the left [rad/s]."""
     strouhal_number = Figure("", "Strouhal number of the trailing edge", metrics.strouhal_number)
     """Strouhal number f A / U of the trailing edge over the steady part [-]."""
 
     peak_joint_angle = Figure("rad", "largest joint angle, first cycle left out", peak("peak_joint_angle"))
-    """Largest |phi| of a joint; this and the next three leave out the first gait cycle [rad]."""
+    """Largest |phi| of a joint; this and the next three figures exclude the first gait cycle [rad]."""
     peak_joint_rate = Figure("rad/s", "largest joint rate", peak("peak_joint_rate"))
     """Largest |phi'| of a joint [rad/s]."""
     peak_joint_torque = Figure("N m", "largest joint torque", peak("peak_joint_torque"))
     """Largest |u| of a joint [N m]."""
     utilization = Figure("", "share used of joints, actuators and room between links; 1: all", peak("utilization"))
-    """Largest share that is used of a joint's limit, of an actuator's speed or duty, of the room between links; above 1
-    the robot cannot do it: see `feasibility` [-]."""
+    """Largest used share of a joint's limit, of an actuator's speed or duty, or of the room between links; above 1 the
+    robot cannot do it: see `feasibility` [-]."""
 
     @cached_property
     def feasibility(self) -> Feasibility:
-        """What the run takes of joints and actuators beside what they have, and why the robot cannot do it, if so."""
+        """What the run demands of joints and actuators, what they offer, and why the robot cannot do it, if so."""
         return feasibility(self.chain, self, self.period)
 
     @property
     def mean_power_kind(self) -> Literal["mechanical", "electrical"]:
-        """Which power `mean_power` is."""
+        """Kind of power that `mean_power` is."""
         return "mechanical" if self.electrical_work is None else "electrical"
 
     @property
     def speed_through_water(self) -> float:
-        """As `forward_velocity`, relative to the water: the current is taken off [m/s]."""
+        """`forward_velocity` relative to the water: the current is subtracted [m/s]."""
         return metrics.speed_through_water(self)
 
     @cached_property
@@ -157,7 +157,7 @@ class Trial(contents.Contents):
         return metrics.heading_mean(self)
 
     def figures(self) -> tuple[dict[str, float | None], dict[str, str]]:
-        """Every figure of `FIGURES` by name, None where it has no meaning for this run, and why that is so, by name."""
+        """Return all figures of `FIGURES` by name, None if meaningless for this run, and the reasons, by name."""
         values: dict[str, float | None] = {}
         reasons: dict[str, str] = {}
         for figure in FIGURES:
@@ -171,35 +171,35 @@ class Trial(contents.Contents):
     # ---- pictures -----------------------------------------------------------------------------------------------
 
     def plot(self) -> "figure.Figure":
-        """The run in one picture: path, speed, joint angles and torques; or, if it followed a path, how well.
+        """Plot the run in one figure: path, speed, joint angles and torques; or, if it followed a path, how well.
 
-        A notebook shows it; `trial.plot().savefig("run.png")` writes a file.
+        A notebook displays it; `trial.plot().savefig("run.png")` writes a file.
         """
         return above("sheet")(self)
 
     def plot_path(self, ax: "axes.Axes | None" = None) -> "axes.Axes":
-        """The path of the center of mass with the body drawn along it.
+        """Plot the path of the center of mass with the body drawn along it.
 
         Args:
-            ax: Where to draw; None: in a figure of its own, the `figure` of the axes that come back.
+            ax: Axes to draw in; None: a new figure, available as `figure` of the returned axes.
         """
         return above("path_strip")(self, ax)
 
     def animate(self, *, speed: float = 1.0, frames_per_second: float = 15.0) -> "animation.FuncAnimation":
-        """The run from above as a film.
+        """Animate the run, seen from above.
 
-        A notebook shows it; `trial.animate().save("run.gif")` writes a file, and so do .webp, and .mp4 with ffmpeg.
+        A notebook displays it; `trial.animate().save("run.gif")` writes a file, as do .webp, and .mp4 with ffmpeg.
 
         Args:
-            speed: How many times as fast to show it [-].
-            frames_per_second: Pictures in a second of the film [1/s].
+            speed: Playback speed relative to real time [-].
+            frames_per_second: Frame rate of the film [1/s].
         """
         return above("swim_film")(self, speed=speed, frames_per_second=frames_per_second)
 
     # ---- files and tables ----------------------------------------------------------------------------------------
 
     def summary(self) -> dict[str, object]:
-        """All figures of the run with how it ended, ready for JSON, of a failed run too.
+        """Return all figures of the run and how it ended, ready for JSON; also for a failed run.
 
         Returns:
             In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name, `mean_power_kind`, every
@@ -219,34 +219,34 @@ class Trial(contents.Contents):
         }
 
     def save(self, path: str | Path) -> None:
-        """Write the trial to a file, from which `load_trial` makes an equal one.
+        """Write the trial to a file, from which `load_trial` restores an equal one.
 
-        The ending says the format, see `Format`; any other one means netCDF. A CSV file holds the time series only. An
-        older file of that name is replaced, but not before the new one is complete.
+        The extension sets the format, see `Format`; any unknown one means netCDF. A CSV file holds the time series
+        only. An older file of the same name is replaced, but not before the new one is complete.
 
         Args:
             path: The file.
 
         Raises:
-            StorageFailed: If the file cannot be written; the message has its name and the reason.
+            StorageFailed: If the file cannot be written; the message gives its name and the reason.
             MissingExtra: If the format needs a package that is not installed.
         """
         save(to_dataset(self), Path(path))
 
     def to_dataset(self) -> "xarray.Dataset":
-        """The trial as an xarray Dataset: dimensions, units and names as in its file."""
+        """Convert the trial to an xarray Dataset, with dimensions, units and names as in its file."""
         return to_dataset(self)
 
     @classmethod
     def measured(cls, series: Mapping[str, Any], **more: Any) -> Self:
-        """A trial of what was measured: it lists in `not_measured` what was not; work may be made of torques and rates.
+        """Build a trial from measured series; `not_measured` lists the others; work may come from torques and rates.
 
         Args:
-            series: The arrays by name; left out, or None, where nothing was measured.
+            series: The arrays by name; omitted, or None, where nothing was measured.
             more: All other fields.
 
         Raises:
-            ValueError: If what there is makes no trial.
+            ValueError: If the series do not form a valid trial.
         """
         found = {name: values for name, values in series.items() if values is not None}
         if "work" not in found and "joint_torque" in found and "joint_rate" in found:
@@ -257,19 +257,19 @@ class Trial(contents.Contents):
 
     @classmethod
     def from_dataset(cls, dataset: "xarray.Dataset") -> Self:
-        """The trial that `to_dataset` made a Dataset of, equal bit for bit.
+        """Restore the trial from which `to_dataset` made a Dataset, equal bit for bit.
 
         Args:
-            dataset: As `to_dataset` made it, or as a format read it.
+            dataset: The Dataset as made by `to_dataset`, or as read by a format.
 
         Raises:
             KeyError: If a variable or an attribute is missing.
-            ValueError: If what it says is no trial.
+            ValueError: If the content is not a trial.
         """
         return cls(**fields_of(dataset))
 
     def __repr__(self) -> str:
-        """On one line: who swam what for how long, and how it ended."""
+        """Return one line: who swam what for how long, and how it ended."""
         gait = "no gait" if self.gait is None else self.gait.kind
         span = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
         speed = f", {self.forward_velocity:.3g} m/s" if self.succeeded and self.time.size > 1 else ""

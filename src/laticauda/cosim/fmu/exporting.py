@@ -1,7 +1,7 @@
-"""A robot in water as an FMU: a file that other simulation tools load and step.
+"""Export of a robot in water as an FMU: a file that other simulation tools load and step.
 
-Machine code and tables of numbers become a shared library by a C compiler. What the FMU says about itself is
-`modelDescription.xml` for programs, and a page for people.
+A C compiler links machine code and tables of numbers into a shared library. The FMU is described by
+`modelDescription.xml` for programs, and by an HTML page for people.
 """
 
 import hashlib
@@ -28,7 +28,7 @@ from laticauda.errors import BadArgument, one_of
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "c"
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot makes the same FMU
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # date of all files inside, so that the same robot gives the same FMU
 
 
 def export_fmu(
@@ -44,35 +44,35 @@ def export_fmu(
     license: str = "MIT",
     **changes: Unpack[scenarios.Changes],
 ) -> tuple[Variable, ...]:
-    """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
+    """Export a planar robot in water as an FMU for co-simulation, which runs without Python.
 
-    Inside are the kernels that `laticauda.swim` runs, compiled for each platform. Inputs are held during a
-    communication step of any length, which is cut into steps of the integration no longer than `dt`.
+    The FMU contains the kernels that `laticauda.swim` runs, compiled for each platform. Inputs are held constant during
+    a communication step of any length, which is divided into integration steps no longer than `dt`.
 
     Args:
-        path: The file (.fmu); an older one is replaced.
-        robot: The scenario, whose duration does not count; or what swims, with its gait.
-        gait: With a robot: what the joints are asked for unless the FMU is told otherwise; of kind custom, its
-            envelope too.
+        path: The file (.fmu); an existing one is replaced.
+        robot: The scenario, whose duration is ignored; or the robot, with its gait.
+        gait: With a robot: the gait that the joints follow unless the FMU's inputs say otherwise; for the kind custom,
+            including its envelope.
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint, and for a driven fin).
-        fmi: Version of the standard: 2.0, which all tools read, or 3.0.
-        platform: Where it is to run, one or several: linux64, aarch64 (Linux), win64, darwin; if left out, on machines
-            like this one. For others than this machine, the package ziglang has to be there.
-        author: Who made the model, as the FMU says it.
-        model_version: Of the model; laticauda's own if left out.
-        license: Of the model. The text of the kernels' own is in the FMU.
-        changes: With a robot, what else differs from the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s], or of the model `joints`, `dt` [s] and the other fields of
+        fmi: Version of the standard: 2.0, which all tools support, or 3.0.
+        platform: One or more target platforms: linux64, aarch64 (Linux), win64, darwin; if omitted, that of this
+            machine. Platforms other than this machine's require the package ziglang.
+        author: Author of the model, as stated in the FMU.
+        model_version: Version of the model; laticauda's own if omitted.
+        license: License of the model. The FMU also contains the text of the kernels' own license.
+        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other fields of
             `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The FMU's variables, in the order of their value references.
 
     Raises:
-        ValueError: If an argument is out of its range, or robot, gait and inputs do not fit together.
-        MissingProgram, MissingExtra: If there is no C compiler, which puts the compiled kernels into a library.
-        LinkingFailed: If it fails.
+        ValueError: If an argument is out of range, or robot, gait and inputs are incompatible.
+        MissingProgram, MissingExtra: If there is no C compiler to link the compiled kernels into a library.
+        LinkingFailed: If the C compiler fails.
     """
     file = Path(path)
     if file.suffix.lower() != ".fmu":
@@ -90,7 +90,7 @@ def export_fmu(
     )
     content = words.model_description() + tables_in_c(tables, "").encode() + b"".join(codes)
     content += b"".join(part.read_bytes() for part in sorted(FOLDER.iterdir()))
-    guid = f"{{{UUID(hashlib.sha256(content).hexdigest()[:32])}}}"  # a digest of all that it is made of
+    guid = f"{{{UUID(hashlib.sha256(content).hexdigest()[:32])}}}"  # a digest of everything from which it is made
     sources, headers = (FOLDER / f"fmi{fmi[0]}.c",), {"tables.h": tables_in_c(tables, guid)}
     libraries: dict[str, list[tuple[bytes, bytes]]] = {}
     for one, code in zip(wanted, codes, strict=True):
@@ -109,13 +109,13 @@ def export_fmu(
 
 
 def _now() -> str:
-    """This moment, or what reproducible builds take for it; to the second, as the standard has it."""
+    """Return the current time, or the one set for reproducible builds, to the second, as the standard requires."""
     seconds = float(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
 
 
 def _zipped(content: dict[str, bytes]) -> bytes:
-    """The archive that an FMU is; the same content always gives the same bytes."""
+    """Return the archive that makes up an FMU; the same content always gives the same bytes."""
     raw = io.BytesIO()
     with zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in content.items():
@@ -126,11 +126,11 @@ def _zipped(content: dict[str, bytes]) -> bytes:
     return raw.getvalue()
 
 
-# ---- what an FMU says about itself ----------------------------------------------------------------------------------
+# ---- description of an FMU ------------------------------------------------------------------------------------------
 
 _TOLD: Any = files.read_toml(HERE / "units.toml")
 UNITS: Mapping[str, Sequence[int]] = _TOLD["units"]
-"""Exponents of kg, m, s and rad."""
+"""Units, as exponents of kg, m, s and rad."""
 DEGREES: Mapping[str, str] = _TOLD["degrees"]
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
 VERSIONS = ("2.0", "3.0")
@@ -139,25 +139,25 @@ VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "cont
 
 @dataclass(frozen=True, kw_only=True)
 class Description:
-    """One FMU in words."""
+    """Description of one FMU."""
 
     identifier: str
-    """Name of the binary, and of the model [-]."""
+    """Name of the binary and of the model [-]."""
     tables: Tables
-    """What swims, and its variables."""
+    """Tables of the robot, and its variables."""
     platforms: str
-    """Processors and systems that it has a binary for [-]."""
+    """Processors and systems for which the FMU has a binary [-]."""
     imprint: Mapping[str, str | None]
-    """Author, version, license and the like, by the names of their attributes; empty ones are left out [-]."""
+    """Author, version, license and so on, by attribute name; empty ones are omitted [-]."""
     version: str
-    """Of FMI: 2.0 or 3.0 [-]."""
+    """FMI version: 2.0 or 3.0 [-]."""
 
     def model_description(self, guid: str = "", date: str = "") -> bytes:
-        """The file modelDescription.xml.
+        """Return the content of modelDescription.xml.
 
         Args:
-            guid: What tells this FMU from others.
-            date: When it was made.
+            guid: Identifier that distinguishes this FMU from others.
+            date: Date and time of creation.
         """
         imprint = {**self.imprint, "generationDateAndTime": date}
         is_old = self.version == "2.0"
@@ -174,7 +174,7 @@ class Description:
             variableNamingConvention="structured",
         )
         state = "FMUstate" if is_old else "FMUState"
-        # What is left out, FMI takes as false.
+        # FMI treats omitted capabilities as false.
         can = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
         SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
         _add_units(root, self.tables.variables)
@@ -186,7 +186,7 @@ class Description:
             _add_variable(listed, reference, variable, is_old)
         structure = SubElement(root, "ModelStructure")
         outputs = [i for i, variable in enumerate(self.tables.variables) if variable.causality == "output"]
-        # Outputs are those of the end of the last step, so no input acts on them before the next one.
+        # Outputs are those at the end of the last step, so no input affects them before the next step.
         for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
             group = SubElement(structure, f"{kind}s") if is_old else structure
             for i in outputs:
@@ -196,7 +196,7 @@ class Description:
         return tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
     def page(self) -> str:
-        """The file documentation/index.html."""
+        """Return the content of documentation/index.html."""
         facts = "\n".join(
             f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in facts_of(self.tables)
         )
@@ -213,7 +213,7 @@ class Description:
 
 
 def facts_of(tables: Tables) -> tuple[tuple[str, str], ...]:
-    """What was chosen when an FMU was made, and cannot be changed any more: name and value."""
+    """Return the settings that were chosen when an FMU was created and can no longer be changed: name and value."""
     body = tables.plant
     water = cast(lc.Water, body.environment)
     return (

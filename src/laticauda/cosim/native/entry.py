@@ -1,10 +1,10 @@
-"""The planar kernels without Python: one function of plain pointers, in LLVM's code.
+"""Planar kernels without Python: one function with plain pointers, as LLVM code.
 
-The same templates that `swim` runs (`laticauda.planar.model`) are compiled once more, with nothing of Numba's own
-runtime left in them; `laticauda.cosim.native.platforms` makes machine code of it. The function knows no robot: what
-swims, and which number of it stands behind which variable, are the two arrays of `laticauda.cosim.native.tables`.
+The templates that `swim` runs (`laticauda.planar.model`) are compiled again, without any part of Numba's runtime;
+`laticauda.cosim.native.platforms` generates machine code from the result. The function does not depend on the robot:
+the two arrays of `laticauda.cosim.native.tables` describe the robot, and map its numbers to variables.
 
-A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
+This module and `laticauda.compiling.lanes` are the interface to the code generation of Numba and LLVM.
 """
 
 # pyright: basic
@@ -29,43 +29,43 @@ from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
 
 NAME = "laticauda_move"
-"""What the function is called."""
+"""Name of the function."""
 
-# Where things stand in the array of whole numbers: the chain's shape, variables, and where other arrays begin in it.
+# Positions in the array of integers: shape of the chain, variables, and where other arrays begin in it.
 N_BODIES, TAIL_LINK, HAS_EXTRAS, IS_IMPLICIT, N_ROWS = range(5)
 DT, HEADING, VELOCITY = range(5, 8)
 FIRST_STRIP, FIRST_PLATE, LAW = range(8, 11)
 # A piece is three numbers: where its pairs begin in that array, where their factors begin in the array of reals, and
-# how many there are. Products of water coefficients, and their values in the template; how rows depend on those; rows
+# the number of pairs. Products of water coefficients, and their values in the template; how rows depend on them; rows
 # that variables set at the start; rows that they set at every step; variables that are sums of rows.
 TERMS, SLOPES, STARTED, HELD, SEEN, HEADER = range(11, 27, 3)
-NONE = -1  # in the place of a variable: the number 1
-# Behind the rows: what the kernel logs of the two ends of a step, the time each.
+NONE = -1  # in place of a variable: the number 1
+# After the rows: what the kernel logs at the two ends of a step, namely the time.
 SCRATCH = 2
 
 OWN: Any = {"_nrt": False}
-"""Of Numba: nothing needs a runtime of its own."""
+"""Numba options: nothing may need Numba's runtime."""
 _inner = functools.partial(inlined, **OWN)
-# What is left to the C library.
+# Functions that the C library provides.
 _ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
 _POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt", "cbrt", "sinh", "cosh", "tanh"}
 _OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
 def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] = ()) -> bytes:
-    """LLVM's module with the function `NAME`, for any processor; compiling it takes seconds, and nothing keeps it.
+    """Return the LLVM module with the function `NAME`, for any processor; compiles for seconds, without caching.
 
     Args:
-        law: Loads on one element.
-        joints: How its joints follow their references.
-        flow: The kinds of parts of the water's flow.
+        law: Law of the loads on one element.
+        joints: Law by which the joints follow their references.
+        flow: Kinds of parts of the water's flow.
 
     Raises:
-        ValueError: If the law needs more than numbers.
+        ValueError: If the law is not plain arithmetic.
     """
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
-        with compiling_for(target()):  # the law alone first, which takes no time
+        with compiling_for(target()):  # the law alone first, which is fast
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
         move = _move(specialize(1, law, joints, flow, target()).run)
@@ -79,11 +79,11 @@ def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] =
 
 
 def exported(function: Any, name: str) -> bytes:
-    """LLVM's module of a compiled function, which is all that others see of it.
+    """Return the LLVM module of a compiled function, with everything else in it internal.
 
     Args:
-        function: As Numba's `cfunc` with `OWN` returned it.
-        name: What it is called there.
+        function: Function as returned by Numba's `cfunc` with `OWN`.
+        name: Name of the function in the module.
     """
     module = llvm.parse_assembly(function.inspect_llvm())
     for one in (*module.functions, *module.global_variables):
@@ -94,12 +94,12 @@ def exported(function: Any, name: str) -> bytes:
     return module.as_bitcode()
 
 
-# ---- what the kernels are compiled for -------------------------------------------------------------------------------
+# ---- target of the compilation ---------------------------------------------------------------------------------------
 
 
 @intrinsic
 def _beyond(typingctx, pointer, count):
-    """The address `count` numbers further."""
+    """Return the address `count` numbers further on."""
 
     def codegen(context, builder, sig, args):
         return builder.gep(args[0], [context.cast(builder, args[1], sig.args[1], types.intp)])
@@ -112,7 +112,7 @@ _LOG = types.Array(types.float64, 3, "C")
 
 @intrinsic
 def _log_at(typingctx, numbers):
-    """A log of two samples of the first logged row at an address: an array that nobody owns."""
+    """Return a log of two samples of the first logged row at an address: an array that owns no memory."""
 
     def codegen(context, builder, sig, args):
         array = context.make_array(_LOG)(context, builder)
@@ -127,11 +127,11 @@ def _log_at(typingctx, numbers):
 
 @functools.cache
 def target() -> Target:
-    """This processor without Python; chains are addresses, for arrays would bring Numba's memory management along."""
+    """Return this processor without Python as target; chains are addresses: arrays need Numba's memory management."""
 
     @_inner
     def free_joints(law):
-        return _beyond(law, law[-1])  # truth values behind the laws; their number is in front of them
+        return _beyond(law, law[-1])  # the flags follow the laws, which are preceded by their number
 
     return Target(
         kernel=_inner,
@@ -155,7 +155,7 @@ def _assign(whole, real, piece, v, rows):
 
 @_inner
 def _begin(whole, real, v, rows):
-    """Fill all rows: the template, what depends on the coefficients of the water, and the start."""
+    """Fill all rows: the template, the terms that depend on the water's coefficients, and the initial state."""
     for q in range(whole[N_ROWS]):
         rows[q] = real[q]
     terms, values, pairs, slopes = whole[TERMS], whole[TERMS + 1], whole[SLOPES], whole[SLOPES + 1]
@@ -181,16 +181,16 @@ def _look(whole, real, rows, v):
 
 
 def _move(run: Any) -> Any:
-    """The function: robots' variables in, the kernel's steps, variables out.
+    """Build the function that reads a robot's variables, runs the kernel's steps, and writes the variables.
 
     Args:
-        run: The kernel that marches.
+        run: Kernel that advances the motion.
     """
     reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
 
     @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **INLINED, **OWN)
     def move(whole, real, v, rows, interval):
-        """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
+        """Start (interval 0), or advance by the interval; return 1, or 0 if the motion diverged."""
         steps, dt = 0, v[whole[DT]]
         if interval == 0.0:
             _begin(whole, real, v, rows)

@@ -1,7 +1,7 @@
-"""The platforms that the kernels are made for: machine code for each, and libraries of it.
+"""Target platforms of the kernels: machine code for each, and libraries built from it.
 
-LLVM writes the machine code for any of them on any machine. A C compiler links it: for this machine the system's own,
-for others that of the package `ziglang` (the extra `export`), which brings their C libraries along.
+LLVM generates the machine code for any platform on any machine. A C compiler links it: for this machine the system's
+own, for others that of the package `ziglang` (the extra `export`), which includes their C libraries.
 """
 
 # pyright: basic
@@ -40,37 +40,37 @@ FLAGS = "-std=c11 -O2 -fPIC -fvisibility=hidden -Wall -Wextra -Werror=implicit-f
 
 
 class System(NamedTuple):
-    """An operating system, or what stands for one."""
+    """An operating system, or its equivalent."""
 
     name: str
-    """As FMI 3 has it [-]."""
+    """Name in FMI 3 [-]."""
     llvm: str
-    """As LLVM has it, behind the processor [-]."""
+    """Name in LLVM, following the processor [-]."""
     zig: str
-    """As Zig's C compiler has it [-]."""
+    """Name in Zig's C compiler [-]."""
     ending: str
-    """Of the name of a library [-]."""
+    """Ending of a library's file name [-]."""
     linking: str
-    """Flags of the compiler that links [-]."""
+    """Compiler flags for linking [-]."""
 
 
 class Platform(NamedTuple):
-    """An operating system on a family of processors, of which the least one is meant."""
+    """An operating system on a family of processors, represented by its most basic member."""
 
     name: str
-    """As users choose it [-]."""
+    """Name by which users choose it [-]."""
     processor: str
-    """As LLVM, Zig and FMI 3 have it [-]."""
+    """Name in LLVM, Zig and FMI 3 [-]."""
     system: System
-    """That runs there [-]."""
+    """Operating system [-]."""
     folder: str
-    """Of a library in an FMU, FMI 2; empty: there are no FMUs for it [-]."""
+    """Folder of a library in an FMU, FMI 2; empty if there are no FMUs for the platform [-]."""
     features: str = ""
-    """Of processors, that are asked for [-]."""
+    """Required processor features [-]."""
 
     @property
     def pair(self) -> str:
-        """Processor and system, which is the folder of a library in an FMU, FMI 3 [-]."""
+        """Processor and system, which is also the folder of a library in an FMU, FMI 3 [-]."""
         return f"{self.processor}-{self.system.name}"
 
 
@@ -81,29 +81,29 @@ _SYSTEMS = {
     for name, (llvm, zig, ending, flags) in _TOLD["systems"].items()
 }
 PLATFORMS = {name: Platform(name, one, _SYSTEMS[of], *more) for name, (one, of, *more) in _TOLD["platforms"].items()}
-"""By name."""
-_PAGE = 1 << 14  # of memory on a Mac; each part of a universal library begins at one
+"""Platforms by name."""
+_PAGE = 1 << 14  # memory page on a Mac; each part of a universal library begins at a page boundary
 
 
 class LinkingFailed(LaticaudaError, RuntimeError):
-    """The C compiler is there, and does not do its work: it says which, and what it said."""
+    """Raised if the C compiler is available but fails; the message gives the command and its output."""
 
 
 def here() -> Platform | None:
-    """The platform of this machine; None if it is none of ours."""
+    """Return the platform of this machine; None if it is not one of `PLATFORMS`."""
     system = {"win32": "windows"}.get(sys.platform, sys.platform)
     family = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine().lower(), machine().lower())
     return next((one for one in PLATFORMS.values() if one.pair == f"{family}-{system}"), None)
 
 
 def platform_of(name: str = "") -> Platform:
-    """A platform by its name; that of this machine if left out.
+    """Return a platform by its name; that of this machine if omitted.
 
     Args:
         name: One of `PLATFORMS`.
 
     Raises:
-        ValueError: If there is none.
+        ValueError: If there is no such platform.
     """
     if name:
         return PLATFORMS[one_of("platform", name, [*PLATFORMS])]
@@ -113,13 +113,13 @@ def platform_of(name: str = "") -> Platform:
 
 
 def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
-    """Platforms by their names, in our order; `darwin` means both kinds of Mac, no name the platform of this machine.
+    """Return platforms in the order of `PLATFORMS`; `darwin` means both kinds of Mac, no name means this machine.
 
     Args:
-        names: Of `PLATFORMS`, but for that of browsers.
+        names: Names from `PLATFORMS`, except for that of browsers.
 
     Raises:
-        ValueError: If there is none of a name.
+        ValueError: If there is no platform with one of the names.
     """
     libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
@@ -128,46 +128,46 @@ def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
 
 
 def object_code(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], platform: Platform) -> bytes:
-    """The object file with the function `laticauda_move` for a platform, from the disk if it was made before.
+    """Return the object file with the function `laticauda_move` for a platform, from the cache if possible.
 
     Args:
-        law: Loads on one element.
-        joints: How its joints follow their references.
-        flow: The kinds of parts of the water's flow (`PlanarPlant.flow.kinds`); empty: it moves as one, if at all.
-        platform: Where it will run.
+        law: Law of the loads on one element.
+        joints: Law by which the joints follow their references.
+        flow: Kinds of parts of the water's flow (`PlanarPlant.flow.kinds`); empty for a uniform current or none.
+        platform: Target platform.
 
     Raises:
-        ValueError: If the law needs more than numbers.
+        ValueError: If the law is not plain arithmetic.
     """
     whole = functools.partial(_kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow))
     return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: emitted(whole(), platform))
 
 
 def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[bytes]:
-    """The object files of `object_code` for what swims, if what links them is there.
+    """Return the object files of `object_code` for a plant, after checking that they can be linked.
 
     Args:
-        plant: Whose laws are compiled.
-        platforms: Where it will swim.
+        plant: Plant whose laws are compiled.
+        platforms: Target platforms.
 
     Raises:
-        MissingProgram, MissingExtra, ValueError: As `compiler` and `object_code`.
+        MissingProgram, MissingExtra, ValueError: As raised by `compiler` and `object_code`.
     """
     for one in platforms:
-        compiler(one)  # before the kernels, which take seconds
+        compiler(one)  # before compiling the kernels, which takes seconds
     return [object_code(plant.law, plant.joints, plant.flow.kinds, one) for one in platforms]
 
 
 def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], ending: str) -> Path:
-    """Where a file is kept: beside what Numba keeps, under a name that says what it was made from.
+    """Return the path of a cached file: in Numba's cache, under a name that encodes what it was built from.
 
     Args:
-        law: Loads on one element.
-        joints: How its joints follow their references.
-        flow: The kinds of parts of the water's flow.
-        ending: Of its name, from its platform on.
+        law: Law of the loads on one element.
+        joints: Law by which the joints follow their references.
+        flow: Kinds of parts of the water's flow.
+        ending: End of the file name, from the platform on.
     """
-    run = specialize(1, law, joints, flow).run  # not compiled by that; its module's name tells sources and laws
+    run = specialize(1, law, joints, flow).run  # this does not compile; the module's name encodes sources and laws
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
@@ -179,18 +179,18 @@ def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
         return file.read_bytes()
     except OSError:
         made = make()
-    with contextlib.suppress(OSError):  # there may be nowhere to keep it, or another process doing so at this moment
+    with contextlib.suppress(OSError):  # there may be no place for it, or another process may be writing it right now
         file.parent.mkdir(parents=True, exist_ok=True)
         files.write(file, made)
     return made
 
 
 def emitted(code: bytes, platform: Platform) -> bytes:
-    """The object file of a module.
+    """Compile a module to an object file.
 
     Args:
-        code: LLVM's bitcode.
-        platform: Where it will run.
+        code: LLVM bitcode.
+        platform: Target platform.
     """
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
@@ -204,13 +204,13 @@ def emitted(code: bytes, platform: Platform) -> bytes:
 
 
 def compiler(platform: Platform) -> list[str]:
-    """The command of a C compiler: for this machine that of the variable CC or the system's, else that of ziglang.
+    """Return the command of a C compiler: for this machine that in CC or the system's, otherwise that of ziglang.
 
     Args:
-        platform: Where what it makes will run.
+        platform: Target platform.
 
     Raises:
-        MissingProgram, MissingExtra: If there is none.
+        MissingProgram, MissingExtra: If there is no compiler.
     """
     wanted = shlex.split(os.environ.get("CC", "")) if platform == here() else []
     for command in ([wanted] if wanted else [[name] for name in COMPILERS]) if platform == here() else []:
@@ -232,22 +232,22 @@ def linked(
     static: bool = False,
     name: str = NAME,
 ) -> bytes:
-    """A shared library; for a browser, a module of WebAssembly.
+    """Link a shared library or, for a browser, a WebAssembly module.
 
-    The module needs no imports. It offers `memory`, `_initialize()`, to be called first, `laticauda_reserve(bytes)`,
-    which returns an address in the memory that nobody else has (and may replace its buffer), and `laticauda_move`.
+    The module needs no imports. It exports `memory`, `_initialize()`, to be called first, `laticauda_reserve(bytes)`,
+    which returns the address of newly reserved memory (and may replace its buffer), and `laticauda_move`.
 
     Args:
-        code: The object file of `object_code`, for the same platform.
-        platform: Where it will run.
-        sources: Files in C that belong to it.
-        headers: Name and text of headers that they include.
-        static: Whether to make a static library instead.
-        name: Of the function that it offers.
+        code: Object file from `object_code`, for the same platform.
+        platform: Target platform.
+        sources: C source files of the library.
+        headers: Names and texts of the headers that they include.
+        static: Whether to build a static library instead.
+        name: Name of the exported function.
 
     Raises:
-        MissingProgram, MissingExtra: If there is no C compiler for it.
-        LinkingFailed: If it fails.
+        MissingProgram, MissingExtra: If there is no C compiler for the platform.
+        LinkingFailed: If the C compiler fails.
     """
     chosen = compiler(platform)
     with tempfile.TemporaryDirectory() as place:
@@ -272,14 +272,14 @@ def linked(
 
 
 def universal(parts: Sequence[tuple[bytes, bytes]]) -> bytes:
-    """One library for macOS of several, each for other processors; of a single one, that one.
+    """Combine libraries for different processors into one for macOS; a single library is returned unchanged.
 
     Args:
-        parts: Machine code and library of each.
+        parts: Machine code and library for each processor.
     """
     head, body = struct.pack(">2I", 0xCAFEBABE, len(parts)), b""
     for code, library in parts:
         place = struct.pack(">3I", len(body) + _PAGE, len(library), _PAGE.bit_length() - 1)
-        head += code[7:3:-1] + code[11:7:-1] + place  # which processors, as the machine code has it
+        head += code[7:3:-1] + code[11:7:-1] + place  # processor type, from the machine code
         body += library + bytes(-len(library) % _PAGE)
     return parts[0][1] if len(parts) == 1 else head.ljust(_PAGE, b"\0") + body

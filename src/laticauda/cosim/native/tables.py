@@ -1,6 +1,6 @@
 """A robot in water as two arrays of numbers for the compiled function, and the table of its variables.
 
-Both in C too: numbers for an FMU, or a plain library for robots' own computers, and for whatever can call C.
+Both are also written in C: as numbers for an FMU, or as a plain library for onboard computers and programs that call C.
 """
 
 import hashlib
@@ -33,24 +33,24 @@ LETTERS = {"independent": "t", "parameter": "p", "input": "i", "output": "o"}
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tables:
-    """All that tells one FMU from another."""
+    """Everything that distinguishes one FMU from another."""
 
     variables: tuple[Variable, ...]
-    """In the order of their value references."""
+    """Variables, in the order of their value references."""
     whole: Int[np.ndarray, " n_whole"]
-    """The chain's shape, and which row stands behind which variable: see `entry`."""
+    """Shape of the chain, and the mapping from variables to rows; see `entry`."""
     real: Float[np.ndarray, " n_real"]
-    """All rows at the start, and the factors that go with `whole`."""
+    """All rows at the start, and the factors that belong to `whole`."""
     n_rows: int
-    """Of the kernels' array [-]."""
+    """Number of rows in the kernels' array [-]."""
     plant: model.PlanarPlant
-    """What swims, where, and by which laws."""
+    """Robot, environment and laws."""
     inputs: str
-    """What drives it: gait or references [-]."""
+    """Inputs that drive the robot: gait or references [-]."""
 
     @property
     def words(self) -> str:
-        """What it is, in a sentence."""
+        """Description of the robot in one sentence."""
         body, robot = self.plant, self.plant.robot
         fin = "" if robot.caudal_fin is None else " with a caudal fin"
         return (
@@ -62,7 +62,7 @@ class Tables:
 def tables_for(
     robot: lc.Scenario | lc.Robot | str | Path, gait: lc.Gait | None = None, inputs: str = "gait", **changes: Any
 ) -> Tables:
-    """The arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
+    """Return the arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
     one_of("inputs", inputs, INPUTS)
     chosen = robot if isinstance(robot, lc.Scenario) else lc.scenario(robot, cast(lc.Gait, gait), **changes)
     for name, kind in {"environment": lc.Water, "model": lc.Planar, "motion": lc.Gait, "start": lc.Start}.items():
@@ -75,22 +75,22 @@ def tables_for(
             "must be 'gait' for prescribed joints, which cannot jump; take others (joints=\"servo\" in Python, "
             "--joints servo of `laticauda export`), got 'references'",
         )
-    if inputs == "references":  # the wave stands still, so its numbers mean nothing
+    if inputs == "references":  # the wave does not move, so its parameters have no meaning
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
     return tables_of(plant, gait, cast(lc.Start, chosen.start), inputs=inputs)
 
 
 def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> Tables:
-    """The arrays of a robot in water.
+    """Return the arrays of a robot in water.
 
     Args:
-        plant: What swims; in water.
-        gait: What it is asked for unless it is told otherwise.
-        start: Where it begins.
-        inputs: gait or references.
+        plant: Plant in water.
+        gait: Gait that the joints follow unless the inputs say otherwise.
+        start: Initial state.
+        inputs: Inputs that drive the robot: gait or references.
 
     Raises:
-        ValueError: If the plant refuses the gait, or references from outside.
+        ValueError: If the plant rejects the gait, or external references.
     """
     held = (0.0,) * len(plant.robot.driven_joints) if inputs == "references" else None
     command = lc.Command(gait=gait, references=held)
@@ -104,7 +104,7 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
     packed = _Packed(template)
     shape = n, a.tail_link, int(a.has_extras), int(plant.is_implicit), template.size
     told = (number[name] for name in ("dt", "start.heading", "start.velocity"))
-    # In front of the joint laws, how many there are; behind them, which joints are free.
+    # The joint laws are preceded by their number and followed by flags of the free joints.
     chains = packed.add(a.first_strip), packed.add(a.first_plate), packed.add([n, *a.law, *freedom]) + 1
     packed.header[: entry.TERMS] = *shape, *told, *chains  # in the order of `entry`
     packed.piece(entry.TERMS, terms)
@@ -118,7 +118,7 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
 
 
 class _Packed:
-    """The two arrays while they grow."""
+    """The two arrays while they are being built."""
 
     def __init__(self, template: np.ndarray) -> None:
         self.header = [0] * entry.HEADER
@@ -126,13 +126,13 @@ class _Packed:
         self._real: list[float] = template.tolist()
 
     def add(self, numbers: Iterable[Any]) -> int:
-        """Put whole numbers at the end; returns where they begin."""
+        """Append integers, and return where they begin."""
         begin = entry.HEADER + len(self._whole)
         self._whole += [int(number) for number in numbers]
         return begin
 
     def piece(self, place: int, triples: Triples) -> None:
-        """Put pairs and factors at the ends, and where they begin into the header."""
+        """Append pairs and factors to the arrays, and store in the header where they begin."""
         pairs = self.add(number for first, second, _ in triples for number in (first, second))
         self.header[place : place + 3] = [pairs, len(self._real), len(triples)]
         self._real += [factor for _, _, factor in triples]
@@ -143,21 +143,21 @@ class _Packed:
 
 
 def _shares(variables: Sequence[Variable], causality: str) -> Triples:
-    """Variable, row and factor of all variables of a causality."""
+    """Return variable, row and factor for all variables of a causality."""
     mine = [(i, variable) for i, variable in enumerate(variables) if variable.causality == causality]
     return [(i, *share) for i, variable in mine for share in variable.rows]
 
 
 def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:
-    """How the rows depend on density and coefficients, by laying the robot out in other waters.
+    """Compute how the rows depend on density and coefficients, from layouts of the robot in other waters.
 
-    Every row is a sum of a number without water, of one times the density, and of one times the density times each
-    coefficient (`laticauda.hydrodynamics`): no product of two coefficients enters. So differences between
-    layouts are exact slopes, to rounding, and not a linearization.
+    Each row is the sum of a constant, a constant times the density, and, for each coefficient, a constant times the
+    density times that coefficient (`laticauda.hydrodynamics`); products of two coefficients do not occur. Differences
+    between layouts are therefore exact slopes, up to rounding, and not a linearization.
 
     Returns:
-        The terms, as coefficient (or `entry.NONE`), density and the product of the two in the template; and for each
-        row that depends on one, term, row and slope.
+        The terms, as coefficient (or `entry.NONE`), density, and their product in the template; and term, row and
+        slope for each row that depends on a term.
     """
     water = plant.environment
     assert isinstance(water, lc.Water)
@@ -180,7 +180,7 @@ def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tu
 
 
 def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
-    """How the rows change per unit of a field of the water."""
+    """Return the change of the rows per unit of a field of the water."""
     there: Any = {field: getattr(water, field) + step}
     other = layout(plant.robot, replace(water, **there), joints=plant.joints).template
     change = (other - here) / step
@@ -192,17 +192,17 @@ def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, fie
 
 
 def identifier(stem: str) -> str:
-    """A name that C allows, from that of a file."""
+    """Return a valid C name derived from that of a file."""
     plain = re.sub(r"\W", "_", stem, flags=re.ASCII)
     return plain if plain[:1].isalpha() else f"robot_{plain}"
 
 
 def tables_in_c(tables: Tables, guid: str) -> str:
-    """The header with a robot's numbers, exact to the last bit.
+    """Return the header with a robot's numbers, exact to the last bit.
 
     Args:
         tables: Robot and variables.
-        guid: What tells this FMU from others.
+        guid: Identifier that distinguishes this FMU from others.
     """
     variables = tables.variables
     return Template((FOLDER.parent / "tables.h.in").read_text(encoding="utf-8")).substitute(
@@ -242,29 +242,29 @@ def export_c(
     static: bool = False,
     **changes: Unpack[scenarios.Changes],
 ) -> tuple[Variable, ...]:
-    """Write a planar robot in water to a library in C, which needs no Python, and a header that says what is in it.
+    """Export a planar robot in water as a C library, which runs without Python, and a header that describes it.
 
     Args:
-        path: The header (.h), whose name becomes that of the structure and of the functions; the library is written
-            beside it. Older ones are replaced.
-        robot: The scenario, whose duration does not count; or what swims, with its gait.
-        gait: With a robot: what the joints are asked for unless the library is told otherwise; of kind custom, its
-            envelope too.
+        path: The header (.h), after which the structure and the functions are named; the library is written next to
+            it. Existing files are replaced.
+        robot: The scenario, whose duration is ignored; or the robot, with its gait.
+        gait: With a robot: the gait that the joints follow unless the inputs say otherwise; for the kind custom,
+            including its envelope.
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint, and for a driven fin).
-        platform: Where it is to run: linux64, aarch64 (Linux), win64, darwin; on machines like this one if left out.
+        platform: Target platform: linux64, aarch64 (Linux), win64, darwin; that of this machine if omitted.
         static: Whether to write a static library instead of a shared one.
-        changes: With a robot, what else differs from the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s], or of the model `joints`, `dt` [s] and the other fields of
+        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other fields of
             `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The variables, in the order of the structure.
 
     Raises:
-        ValueError: If an argument is out of its range, or robot, gait and inputs do not fit together.
+        ValueError: If an argument is out of range, or robot, gait and inputs are incompatible.
         MissingProgram, MissingExtra: If there is no C compiler for that platform.
-        LinkingFailed: If it fails.
+        LinkingFailed: If the C compiler fails.
     """
     file, wanted = Path(path), platforms_of([platform] if platform else [])
     if file.suffix.lower() != ".h":
@@ -283,11 +283,11 @@ def export_c(
 
 
 def header_of(tables: Tables, name: str) -> str:
-    """The header of a robot's library.
+    """Return the header of a robot's library.
 
     Args:
-        tables: The robot, and its variables.
-        name: Of the structure, and what its functions' names begin with.
+        tables: The robot and its variables.
+        name: Name of the structure, and prefix of the function names.
     """
     return Template((FOLDER / "library.h").read_text(encoding="utf-8")).substitute(
         words=tables.words.replace("*/", "* /"),  # within a comment
@@ -300,7 +300,7 @@ def header_of(tables: Tables, name: str) -> str:
 
 
 def _fields(variables: tuple[Variable, ...]) -> Iterator[str]:
-    """Members of the structure; variables that are counted from 0 are one array."""
+    """Yield the members of the structure; variables numbered from 0 form one array."""
     for stem, group in groupby(variables, key=lambda one: one.name.partition("[")[0]):
         some, plain = list(group), stem.replace(".", "_")
         if some[0].name.endswith("[0]"):

@@ -1,4 +1,4 @@
-"""The variables of an FMU: what another tool may set and see, and behind which rows of the kernels each one stands."""
+"""Variables of an FMU: what another tool may set and read, and the kernel rows to which each variable corresponds."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,47 +17,47 @@ from laticauda.quantities import quantities_of
 Shares = tuple[tuple[int, float], ...]
 Ends = tuple[float, float]
 FAR = 1e5  # m and rad, as for `Start`
-TINY = 1e-9  # of what must be positive
+TINY = 1e-9  # least value of what must be positive
 LIKE: Mapping[str, Sequence[Sequence[Any]]] = read_toml(Path(__file__).with_suffix(".toml"))
-"""Variables that are declared alike."""
+"""Variables that are declared in the same way."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Variable:
-    """One number that crosses the border."""
+    """One number that is exchanged with another tool."""
 
     name: str
-    """As other tools show it; joints and links are counted from 0 at the tail [-]."""
+    """Name that other tools show; joints and links are numbered from 0 at the tail [-]."""
     causality: str
     """independent (time), parameter (set before the start), input (set at any time) or output [-]."""
     unit: str
-    """As in `laticauda.cosim.fmu.exporting.UNITS`; 1: a pure number [-]."""
+    """Unit, as in `laticauda.cosim.fmu.exporting.UNITS`; 1: dimensionless [-]."""
     description: str
-    """What it is [-]."""
+    """Description [-]."""
     symbol: str = ""
-    """What the docs' formulas call it [-]."""
+    """Symbol in the formulas of the docs [-]."""
     start: float = 0.0
-    """Its value if nobody sets it [unit]."""
+    """Value if it is not set [unit]."""
     least: float = -math.inf
-    """Smallest value that is taken [unit]."""
+    """Smallest accepted value [unit]."""
     most: float = math.inf
-    """Largest value that is taken [unit]."""
+    """Largest accepted value [unit]."""
     rows: Shares = ()
-    """Row and factor: of an output, the sum that it is; of others, rows that become factor times its value."""
+    """Rows and factors: an output is their weighted sum; for others, each row is set to its factor times the value."""
     start_rows: Shares = ()
-    """The same of an input, but at the start only."""
+    """Rows and factors of an input that apply only at the start."""
     coefficient: str = ""
-    """Name of the field of `Water` that a parameter stands for, if no single row holds it [-]."""
+    """Name of the field of `Water` that a parameter represents, if no single row holds it [-]."""
 
 
 def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> tuple[Variable, ...]:
-    """All variables, in the order of their value references.
+    """Return all variables, in the order of their value references.
 
     Args:
-        plant: What swims; in water.
-        gait: What it is asked for unless it is told otherwise.
-        start: Where it begins.
-        inputs: gait or references.
+        plant: Plant in water.
+        gait: Gait that the joints follow unless the inputs say otherwise.
+        start: Initial state.
+        inputs: Inputs that drive the robot: gait or references.
     """
     water = plant.environment
     assert isinstance(water, lc.Water)
@@ -86,7 +86,7 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
 def _set(
     causality: str, name: str, unit: str, symbol: str, start: float, ends: Ends, text: str, *row: int, **more: Any
 ) -> Variable:
-    """One that is set from outside, and the row, if any, that has its value."""
+    """Create a variable that is set from outside, with the row, if any, that holds its value."""
     more = {"rows": tuple((one, 1.0) for one in row), "least": ends[0], "most": ends[1], **more}
     return Variable(name=name, causality=causality, unit=unit, symbol=symbol, start=start, description=text, **more)
 
@@ -101,7 +101,7 @@ def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, fl
 def _outputs(
     name: str, unit: str, symbol: str, text: str, row: int, records: Sequence[tuple[int, int]]
 ) -> Iterator[Variable]:
-    """The same row of several records, each with its number."""
+    """Yield outputs for the same row of several records, each with its number."""
     for i, b in records:
         yield _output(f"{name}[{i}]", unit, symbol, text.format(i), (b + row, 1.0))
 
@@ -129,7 +129,7 @@ def _water(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
 
 
 def _plate(plant: PlanarPlant) -> Iterator[Variable]:
-    """Of a fin that bends, to which the stiffness of each of its hinges is in proportion."""
+    """Yield the flexural rigidity of an elastic fin, to which the stiffness of each of its hinges is proportional."""
     fin = plant.robot.caudal_fin
     if fin is None or fin.flexural_rigidity is None or not fin.hinges:
         return
@@ -140,7 +140,7 @@ def _plate(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _law(prefix: str, law: formulas.Law, first: int) -> Iterator[Variable]:
-    """The numbers of a law."""
+    """Yield the parameters of a law."""
     for name, one in quantities_of(cast(type, type(law))).items():
         text, unit = one.text[0].upper() + one.text[1:] + ".", one.unit.replace(" ", ".").replace("^", "") or "1"
         ends, row = (max(one.least, -FAR), min(one.le, FAR)), first + law.formula.fields.index(name)
@@ -159,7 +159,7 @@ def _generator(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
 
 
 def _wave(prefix: str, wave: lc.Gait | lc.Wave | None) -> Iterator[Variable]:
-    """The numbers of a wave; those that a filter follows are there at once at the start."""
+    """Yield the parameters of a wave; those that are filtered take effect at once at the start."""
     for name, unit, symbol, least, row, now, text in LIKE[prefix]:
         first = ((getattr(rows, now), 1.0),) if now else ()
         value = 0.0 if wave is None else getattr(wave, name)
@@ -177,7 +177,7 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
-    """Of water that moves as one its velocity; of a flow that is its one part its numbers, which others have inside."""
+    """Yield the velocity of a uniform current, or the parameters of a single-part flow; other flows are built in."""
     flow, kinds = water.flow, plant.flow
     if flow is not None:
         if (kinds.parts, kinds.counts) == (((type(flow), None, None),), (1,)):
@@ -194,7 +194,7 @@ def _motion() -> Iterator[Variable]:
 
 
 def _links(plant: PlanarPlant) -> Iterator[Variable]:
-    """theta_i: the heading, less the mean of what the joints turn, plus what those between tail and link i turn."""
+    """Yield theta_i: the heading, minus the joints' mean rotation, plus that of the joints between tail and link i."""
     records, n = _records(plant), plant.robot.n_links
     for i in range(n):
         shares = ((b + rows.ANGLE, float(j < i) - (n - 1 - j) / n) for j, b in enumerate(records))
@@ -206,7 +206,7 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
     yield from _outputs("joint_angle", "rad", "phi_i", "Angle of joint {}.", rows.ANGLE, records)
     yield from _outputs("joint_rate", "rad/s", "phi'_i", "Rate of joint {}.", rows.RATE, records)
     for i, b in records:
-        # What the gait asks for; the kernel's own reference is what prescribed joints do of it.
+        # Reference of the gait; the kernel's own reference is the share of it that prescribed joints follow.
         share = plant.robot.joints[i].actuator.tracking if plant.joints.prescribed else 1.0
         rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
         text = f"Angle that joint {i} is asked for."
@@ -215,7 +215,7 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
-    """Counted as in `Robot.fin_joints`."""
+    """Yield the variables of the fin's joints, numbered as in `Robot.fin_joints`."""
     records = [(k, _record(plant.layout.tail_link - k)) for k in plant.robot.fin_joints]
     yield from _outputs("fin_angle", "rad", "phi_j", "Angle of a joint of the fin.", rows.ANGLE, records)
     yield from _outputs("fin_rate", "rad/s", "phi'_j", "Its rate.", rows.RATE, records)
@@ -232,10 +232,10 @@ def _power(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _records(plant: PlanarPlant) -> Sequence[int]:
-    """First rows of the records of the body's joints, tail first."""
+    """Return the first rows of the records of the body's joints, tail first."""
     return [_record(i) for i in range(plant.layout.tail_link + 1, plant.layout.n_bodies)]
 
 
 def _record(i: int) -> int:
-    """First row of the record of a body, whose joint is the one at its tail end."""
+    """Return the first row of the record of a body, whose joint is the one at its tail end."""
     return rows.HEADER_ROWS + i * rows.BODY_ROWS

@@ -1,4 +1,4 @@
-"""Robots that swim on a page without a server: the planar kernels and path following as WebAssembly."""
+"""Robots that swim on a web page without a server: the planar kernels and path following as WebAssembly."""
 
 from laticauda.cosim.web.exporting import export_web
 

@@ -1,7 +1,7 @@
-"""A page without a server: a folder of files in which robots swim, in any browser.
+"""Export of a web page without a server: a folder of files with which robots swim in any browser.
 
-The kernels that `laticauda.swim` runs are compiled to WebAssembly; what differs from robot to robot, and all that the
-page says about its sliders, is data.
+The kernels that `laticauda.swim` runs are compiled to WebAssembly; everything that differs between robots, and the
+descriptions of the sliders, is data.
 """
 
 import base64
@@ -28,33 +28,33 @@ from laticauda.planar.model import PlanarPlant
 from laticauda.quantities import DEGREES, hints_of, quantities_of, texts_of
 
 ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
-"""Presets that a page has if nobody says which."""
+"""Presets that a page contains by default."""
 MOTION = rows.ANGLE, rows.RATE
 
 LIMITS: Mapping[str, Mapping[str, Any]] = files.read_toml(Path(__file__).with_name("limits.toml"))
-"""What sliders go through, by group."""
+"""Ranges and steps of the sliders, by group."""
 WATER = LIMITS["water"]
 WORKS = {"mechanical_work": "work_absolute", "net_work": "work_net", "positive_work": "work_positive"}
 LOGGED = ("time", "center", "heading", "link", "joint", "fin_", *WORKS, "electrical_work")
-"""What the names of variables begin with that a trial has, too."""
+"""Prefixes of the names of variables that a trial also contains."""
 ELASTIC: Any = {"n_hinges": 3, "flexural_rigidity": 0.2}
-"""A fin that bends [-], [N m^2]."""
+"""Number of hinges and flexural rigidity of an elastic fin [-], [N m^2]."""
 SIZES = {"small": 0.8, "large": 1.25}
-"""What the lengths of a rigid fin are multiplied by; its thickness stays."""
+"""Factors by which the lengths of a rigid fin are multiplied; its thickness stays the same."""
 
 
 def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()) -> tuple[Path, ...]:
-    """Write a page on which robots swim, without a server: `index.html` in the folder opens it, from a disk too.
+    """Write a web page on which robots swim without a server; its `index.html` can also be opened from disk.
 
     Args:
-        folder: Where; what it has of an older page is replaced.
-        robots: Which can be chosen, the first one at once: presets, files or robots. None: `ROBOTS`.
+        folder: Output folder; the files of an older page in it are replaced.
+        robots: Robots to choose from, the first one initially selected: presets, files or robots. None: `ROBOTS`.
 
     Returns:
-        The files.
+        Paths of the files.
 
     Raises:
-        RobotFileError: If there is no robot of a name.
+        RobotFileError: If there is no robot with a given name.
         MissingExtra: If the package `ziglang`, which links WebAssembly, is not installed.
     """
     place = files.local(folder)
@@ -67,7 +67,7 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
     kernels = {name: base64.b64encode(one).decode() for name, one in made.items()}
     data = {
         "version": lc.__version__,
-        "interval": lc.Following().interval,  # of samples, too
+        "interval": lc.Following().interval,  # also the sample interval
         "choices": {name: get_args(hints_of(lc.Following)[name]) for name in ("guidance", "heading_estimate")},
         "steering": {"numbers": steering.NUMBERS, "results": steering.RESULTS, "rounding": ROUNDING},
         "sliders": _sliders(),
@@ -82,18 +82,18 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
     return tuple(place / name for name in sorted(content))
 
 
-# ---- what a page knows -----------------------------------------------------------------------------------------------
+# ---- data of a page --------------------------------------------------------------------------------------------------
 
 
 def _sliders() -> list[dict[str, Any]]:
-    """All of them, in their order on the page: group, kernels' variable ("" of path following), flag, words, limits."""
+    """Return all sliders in page order: group, kernel variable ("" for path following), flag, texts, limits."""
     of_water = dict.fromkeys(("water", "current"), lc.load_water("paper-lateral"))
     owners = {"gait": FIRST_GAIT, "fin": robot.CaudalFin(**ELASTIC), **of_water, "path": control.Following()}
     return [_slider(group, owners[group], *one) for group, limited in LIMITS.items() for one in limited.items()]
 
 
 def _slider(group: str, owner: object, name: str, limits: Any) -> dict[str, Any]:
-    """One of them, `name` in its group; the owner has what it shows if nobody moves it."""
+    """Return one slider, `name` in its group; the owner holds its initial value."""
     field, axis = (group, f" {name}") if group == "current" else (name, "")
     unit, now = quantities_of(type(owner))[field].unit, getattr(owner, field)
     return {
@@ -111,7 +111,7 @@ def _slider(group: str, owner: object, name: str, limits: Any) -> dict[str, Any]
 
 
 def _entry(given: str | lc.Robot) -> dict[str, Any]:
-    """A robot, or what `load_robot` takes, with each fin that it can have."""
+    """Return the data of a robot, or of what `load_robot` accepts, with each fin that it can have."""
     own = given if isinstance(given, lc.Robot) else lc.load_robot(given)
     fins, fin = {"rigid" if own.caudal_fin else "none": own}, own.caudal_fin
     if fin is not None and not fin.n_hinges and fin.joint is None:
@@ -143,7 +143,7 @@ def _body(body: lc.Robot) -> dict[str, Any]:
         "first": [variable.start for variable in tables.variables],
         "number": number,
         "columns": [[_column(one), i] for i, one in enumerate(tables.variables) if one.name.startswith(LOGGED)],
-        # The rows that go on when the water's numbers change: all that `Plant.pack` keeps.
+        # The rows that are kept when the water's parameters change: all those that `Plant.pack` keeps.
         "state": [*range(rows.TIME, rows.TIME + rows.LOG_STATE), *(b + row for b in bodies for row in MOTION)],
         "angles": _angles(plant, number),
         "ends": ends.end.tolist(),
@@ -151,7 +151,7 @@ def _body(body: lc.Robot) -> dict[str, Any]:
         "width": [module.section.half_width for module in plant.robot.modules],
         "limits": [joint.limit for joint in plant.robot.joints],
         "dt": none.dt,
-        # How fast the drag stops every element, which limits the step: (p + q C) / (m + k C'), C and C' variables.
+        # Rate at which the drag stops each element, which limits the step: (p + q C) / (m + k C'), C and C' variables.
         "slopes": [
             row
             for (p, m), (c, mass), of in zip(none.stopping(), one.stopping(), cycle(water[1::-1]))
@@ -162,14 +162,14 @@ def _body(body: lc.Robot) -> dict[str, Any]:
 
 
 def _in_waters(given: lc.Scenario) -> Iterator[lc.Scenario]:
-    """The scenario in its own water, and in others with coefficients of 0 and 1: in between all is in proportion."""
+    """Yield the scenario in its own water, then with all coefficients 0 and 1; in between, all is linear."""
     yield given
     for value in (0.0, 1.0):
         yield replace(given, environment=replace(cast(Any, given.environment), **dict.fromkeys(WATER, value)))
 
 
 def _kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
-    """What goes along with a kind of gait: its envelope, and the default water's coefficients."""
+    """Return the data of a kind of gait: its envelope, and the coefficients of the default water."""
     gait = replace(FIRST_GAIT, envelope=gaits.envelope_of(kind))
     water = scenarios.default_water(plant.robot, gait)
     coefficients = {f"water.{name}": getattr(water, name) for name in WATER}
@@ -177,13 +177,13 @@ def _kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
 
 
 def _column(one: Variable) -> str:
-    """What a trial's own file in CSV calls it (`laticauda trial convert`)."""
+    """Return the name of a variable's column in a trial's CSV file (`laticauda trial convert`)."""
     name = WORKS.get(one.name, one.name).replace("[", "_").replace("]", "").replace(".", "_")
     return f"{name} [{one.unit.replace('/s', ' s-1').replace('.', ' ')}]"
 
 
 def _angles(plant: PlanarPlant, number: dict[str, int]) -> list[list[tuple[int, float]]]:
-    """Of every piece of the fin, the last one first, and every link: variables and factors whose sum is its angle."""
+    """Return the variables and factors that sum to the angle of each fin piece, last one first, and each link."""
     tail, joints = [(number["link_angle[0]"], 1.0)], plant.robot.fin_joints
     n_pieces = kinematics.levers(plant.robot).end.shape[1] - plant.robot.n_links
     bends = [[(number[f"fin_angle[{k}]"], -1.0) for k in joints if k <= piece] for piece in range(n_pieces)]

@@ -1,6 +1,7 @@
-"""Path following on a page: a control instant as a formula of numbers, made of what `laticauda.control` computes with.
+"""Path following on a web page: one control instant as a formula, built from the functions of `laticauda.control`.
 
-It is compiled as laws are. The page itself keeps what varies in length: waypoints, and the headings of a gait cycle.
+It is compiled in the same way as laws. The page itself stores data of variable length: waypoints, and the headings of
+a gait cycle.
 """
 
 # pyright: basic
@@ -24,25 +25,25 @@ from laticauda.control.paths import Polyline, seen_from
 from laticauda.cosim.native import entry
 from laticauda.formulas import Formula
 
-# Now; the leg's ends; of the window first, second and last heading, and where it begins; laws, and what they remember.
+# Current values; ends of the leg; first, second and last heading and start of the window; laws and their memory.
 NUMBERS = (
     *("x", "y", "heading", "time", "x0", "y0", "x1", "y1"),
     *("t1", "heading1", "integral1", "t2", "heading2", "t3", "heading3", "integral3", "begin"),
     *("look_ahead_distance", "integral_gain", "gain", "max_offset", "integral", "is_saturated"),
 )
 NAME = "laticauda_steer"
-"""What it is called."""
+"""Name of the compiled function."""
 RESULTS = "offset", "is_saturated", "integral", "error", "heading_ref", "heading_integral", "beyond"
-"""Of `instant`."""
+"""Names of the results of `instant`."""
 _Legs, _Frame = namedtuple("_Legs", "waypoints"), namedtuple("_Frame", "cross_track_error path_tangential_angle")
 _angle, _aim, _turn = Polyline.angle, IntegralLineOfSight.step, HeadingController.offset
 
 
 def instant(s: Any) -> tuple[float, ...]:
-    """The `RESULTS` of a control instant of `PathFollowing`; `beyond` is how far the end of the leg is behind [m].
+    """Compute the `RESULTS` of a control instant of `PathFollowing`; `beyond` is the distance past the leg's end [m].
 
     Args:
-        s: What has the `NUMBERS`, with the units of `laticauda.control`.
+        s: Object with the `NUMBERS` as attributes, in the units of `laticauda.control`.
     """
     now = s.time, s.heading, grown((s.t3, s.heading3, s.integral3), s.time, s.heading)
     window = (s.t1, s.heading1, s.integral1), (s.t2, s.heading2, 0.0), now
@@ -57,14 +58,14 @@ def instant(s: Any) -> tuple[float, ...]:
 
 
 @overload(math.fmod)
-def _fmod(x, y):  # Numba knows that of NumPy only
+def _fmod(x, y):  # Numba supports only NumPy's version
     return lambda x, y: np.fmod(x, y)
 
 
 def bitcode() -> bytes:
-    """LLVM's module with a function of an address, where it takes `NUMBERS` and leaves `RESULTS`."""
+    """Return the LLVM module of a function that reads `NUMBERS` from an address and writes `RESULTS` there."""
     target = entry.target()
-    wrapping = target.kernel(inspect.unwrap(wrapped))  # checks of types are no formula
+    wrapping = target.kernel(inspect.unwrap(wrapped))  # type checks are not part of the formula
     with compiling_for(replace(target, formulas={**target.formulas, wrap_to_pi: wrapping})):
         inner = in_numbers(Formula(name="instant", function=instant, fields=NUMBERS), None, 0)
         numbers = rows_from(0, len(NUMBERS))

@@ -1,1 +1,1 @@
-"""The course of an operation as a pure tick: preparations, run and stop, by one table of transitions."""
+"""The course of an operation as a pure tick: preparations, run and stop, according to one table of transitions."""

@@ -1,7 +1,7 @@
-"""One operation as a pure tick: what came in, and the time, give what goes out. No clock, no bus, no threads.
+"""One operation as a pure tick: from inputs and time to outputs, without clock, bus or threads.
 
-`safety.supervisor` has the table of its phases and the supervisor's states; `preparing` has what is done in the phases
-before the run.
+`safety.supervisor` has the table of its phases and of the supervisor's states; `preparing` has the phases before the
+run.
 """
 
 from collections.abc import Mapping
@@ -23,30 +23,30 @@ from laticauda.operate.settings import Operation
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
 from laticauda.robot import Robot
 
-REPEAT = 0.1  # orders that are not obeyed yet are given again after [s]
-STRAIGHT_SHARE = 0.7  # of the time for straightening, on the way; the rest is for the joints to come after
+REPEAT = 0.1  # time after which orders that are not yet obeyed are repeated [s]
+STRAIGHT_SHARE = 0.7  # share of the straightening time in which the references move; then the joints catch up
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Operator:
-    """Everything an operation needs but its devices.
+    """Everything that an operation needs except its devices.
 
     Raises:
         ValueError: If the robot's joints cannot do what the controller may command.
     """
 
     operation: Operation
-    """What to do."""
+    """Operation to run."""
     clears: bool = False
-    """Clear faults of the modules first: somebody has looked at them."""
+    """Whether to clear faults of the modules first, which somebody has inspected."""
     check_only: bool = False
-    """Stop after the preparations, with the robot limp all the time."""
+    """Whether to stop after the preparations, with the robot limp all the time."""
     twin: Plant[Any] | None = None
-    """What runs along as the filter's model of motion; None: the filter knows no water."""
+    """Twin that runs along as the filter's motion model; None: the filter has no model of the water."""
 
     @cached_property
     def robot(self) -> Robot:
-        """What swims."""
+        """The robot."""
         return self.operation.body()
 
     @cached_property
@@ -56,7 +56,7 @@ class Operator:
 
     @cached_property
     def reference_source(self) -> ReferenceSource:
-        """From observations to references."""
+        """The source of references, from observations."""
         how = self.operation
         filters = {"ramp": how.ramp, "offset_bandwidth": how.offset_bandwidth}
         return ReferenceSource(robot=self.robot, controller=how.controller(), **filters)
@@ -71,7 +71,7 @@ class Operator:
         return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
 
     def init(self) -> OperatorState:
-        """The state before the first tick."""
+        """Return the state before the first tick."""
         n = len(self.robot.driven_joints)
         return OperatorState(
             supervisor=self.supervisor.init(),
@@ -83,15 +83,15 @@ class Operator:
         )
 
     def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
-        """One tick.
+        """Perform one tick.
 
         Args:
-            state: As the last call returned it, or `init`.
-            now: Our clock, later than at the last tick [s].
-            inputs: What came in since.
+            state: State returned by the last call, or by `init`.
+            now: Time on our clock, later than at the last tick [s].
+            inputs: Data received since the last tick.
 
         Returns:
-            The state now, and what goes out.
+            The new state, and the outputs.
         """
         before = state
         state = state if state.since is not None else replace(state, since=now)
@@ -114,7 +114,7 @@ class Operator:
     def _monitored(
         self, state: OperatorState, before: OperatorState, now: float, inputs: Inputs
     ) -> tuple[OperatorState, dict[str, str]]:
-        """What is wrong now, by event."""
+        """Find what is wrong now, by event."""
         tank, found = self.operation.tank, dict(inputs.events)
         room = float("inf")
         if state.estimate is not None and state.phase == "running":
@@ -134,10 +134,10 @@ class Operator:
         )
         limits, wrong = compare(self.operation.limits, state.limits, reports)
         if state.phase in ("connecting", "checking"):
-            wrong = {}  # the checks say it better
+            wrong = {}  # the checks report it better
         if not sent:
             wrong.pop("late_loop", None)
-        error = state.error or before.error  # the controller's is of the last tick
+        error = state.error or before.error  # that of the controller is from the last tick
         if error:
             found["program_error"] = error
         if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
@@ -145,14 +145,14 @@ class Operator:
         return replace(state, limits=limits), {**wrong, **found}
 
     def _prepared(self, state: OperatorState, now: float) -> preparing.Answer:
-        """One tick of the preparations, as far as they are to go."""
+        """Perform one tick of the preparations, as far as they are to go."""
         state, events = preparing.step(self.operation, state, now)
         if self.check_only and state.phase == "settling":
             state = replace(state, phase=phase_after("settling", "only_checked"))
         return state, events
 
     def _requested(self, state: OperatorState, now: float) -> tuple[OperatorState, tuple[str, ...]]:
-        """The requests of the normal course, and giving up before the run."""
+        """Return the requests of normal operation, and those for giving up before the run."""
         gone = 0.0 if state.since is None else now - state.since
         if state.failure and state.phase not in ("stopping", "done"):
             return replace(state, phase=phase_after(state.phase, "ended"), since=now), ("ended",)
@@ -167,7 +167,7 @@ class Operator:
     def _supervised(
         self, state: OperatorState, now: float, wrong: Mapping[str, str], requests: tuple[str, ...]
     ) -> tuple[OperatorState, tuple[Reaction, ...]]:
-        """The supervisor's step, and what follows from it."""
+        """Perform the supervisor's step, and apply its consequences."""
         limits, modules, before = self.operation.limits, state.modules, state.supervisor
         is_limp = modules.is_limp(now, limits.heartbeat_timeout)
         angle = modules.angle[np.isfinite(modules.angle)]
@@ -180,7 +180,7 @@ class Operator:
             phase = phase_with(state.phase, before.state, after.state)
             return self._entered(replace(state, phase=phase), now), entries
         if after.state in ("idle", "fault") and state.phase == "stopping":
-            # A module that is not heard goes limp by itself; until then nothing is over.
+            # A module that is not heard goes limp by itself; until then the stop is not over.
             is_sure = is_limp and not modules.silent(now, limits.heartbeat_timeout)
             if is_sure or now - after.since > self.supervisor.within("limp"):
                 state = replace(state, phase=phase_after("stopping", "settled"), since=now)
@@ -190,7 +190,7 @@ class Operator:
         return state, entries
 
     def _entered(self, state: OperatorState, now: float) -> OperatorState:
-        """What follows from another state of the supervisor."""
+        """Apply the consequences of a new state of the supervisor."""
         source, reference = self.reference_source, state.reference
         entered = state.supervisor.state
         if entered == "ready":
@@ -205,7 +205,7 @@ class Operator:
         return state
 
     def _with_references(self, state: OperatorState, now: float) -> OperatorState:
-        """The references of this tick."""
+        """Update the references for this tick."""
         if not state.supervisor.sends_references:
             return state
         source, reference = self.reference_source, state.reference
@@ -220,7 +220,7 @@ class Operator:
             return replace(state, error=f"controller: {error}")
 
     def _with_orders(self, state: OperatorState, now: float) -> tuple[OperatorState, tuple[CanMessage, ...]]:
-        """The messages of this tick: orders first, then references, and the Sync at last."""
+        """Return the messages of this tick: orders first, then references, and the Sync last."""
         orders: list[CanMessage] = []
         supervisor, modules = state.supervisor, state.modules
         is_limp = modules.is_limp(now, self.operation.limits.heartbeat_timeout)
@@ -245,7 +245,7 @@ class Operator:
 
 
 def _milestones(before: OperatorState, state: OperatorState, now: float) -> list[Event]:
-    """The phases, and the begin and end of the run, which a replay looks for."""
+    """Return events for phases, and for the beginning and end of the run, which a replay looks for."""
     found: list[Event] = []
     clock = {} if state.clock is None else {"clock": state.clock.offset}
     if state.begun is not None and before.begun is None:
@@ -261,7 +261,7 @@ def _milestones(before: OperatorState, state: OperatorState, now: float) -> list
 
 
 def _event(entry: Reaction, wrong: Mapping[str, str]) -> Event:
-    """A line of the supervisor's log as an event of the recording."""
+    """Convert a line of the supervisor's log to an event of the recording."""
     rule, detail = BY_EVENT.get(entry.event), wrong.get(entry.event, "")
     return Event(
         time=entry.time,

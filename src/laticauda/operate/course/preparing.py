@@ -1,4 +1,4 @@
-"""What comes before the run, phase by phase: connect, check, calibrate, idle current, stillness, count down."""
+"""Preparations for the run, phase by phase: connect, check, calibrate, idle current, stillness, countdown."""
 
 import math
 from dataclasses import replace
@@ -15,28 +15,28 @@ from laticauda.operate.safety.limits import complaints
 from laticauda.operate.safety.supervisor import phase_after
 from laticauda.operate.settings import Operation
 
-GRANT_TIME = 5.0  # in which the supervisor has to let the robot move [s]
-CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
-COLLECT_TIME = 1.0  # of samples for a calibration [s]
-LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
-LATE = 2.0  # periods after which an estimate is a guess: noise of the joints' rates, times the gap, is up to 7 deg [-]
+GRANT_TIME = 5.0  # time within which the supervisor has to let the robot move [s]
+CONNECT_TIME = 10.0  # devices that are silent for this long are not there [s]
+COLLECT_TIME = 1.0  # time for collecting samples for a calibration [s]
+LEAST_FRAMES = 5  # frames in that time that have to show the marker body [-]
+LATE = 2.0  # periods after which an estimate is a guess: noise of the joints' rates times the gap is up to 7 deg [-]
 Answer = tuple[OperatorState, tuple[Event, ...]]
 
 
 class CalibrationFailed(LaticaudaError, RuntimeError):
-    """The robot or its instruments are not as the calibration needs them: it says what to do."""
+    """The robot or its instruments are not as the calibration requires; the message says what to do."""
 
 
 def step(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """One tick of the phase that `state` is in.
+    """Perform one tick of the phase that `state` is in.
 
     Args:
-        operation: What is to be prepared.
-        state: Before.
-        now: [s].
+        operation: Operation to prepare.
+        state: State before.
+        now: Current time [s].
 
     Returns:
-        The state after it, and what is to be logged.
+        The new state, and the events to log.
     """
     phase = _STEPS.get(state.phase)
     if phase is None or state.failure:
@@ -48,7 +48,7 @@ def step(operation: Operation, state: OperatorState, now: float) -> Answer:
 
 
 def _done(state: OperatorState, now: float, event: str, message: str, **data: object) -> Answer:
-    """On to the next phase."""
+    """Go on to the next phase."""
     logged = Event(time=now, kind=state.phase, message=message, data=data)
     return replace(state, phase=phase_after(state.phase, event), since=now), (logged,)
 
@@ -62,7 +62,7 @@ def _gone(state: OperatorState, now: float) -> float:
 
 
 def _connecting(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """Until every module, the motion capture and the power meter have been heard."""
+    """Wait until every module, the motion capture and the power meter have been heard."""
     modules, connection = state.modules, operation.connection
     missing: list[str] = []
     if not modules.have_reported:
@@ -89,7 +89,7 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
 
 
 def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """Every module: firmware state, temperature, leak, voltage; limp."""
+    """Check every module: firmware state, temperature, leak, voltage, and that it is limp."""
     limits = operation.limits
     found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
@@ -103,7 +103,7 @@ def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
 
 
 def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
+    """Measure joint zeros and marker body if requested; meanwhile, compare the clocks."""
     how, prepared = operation.calibration, state.prepared
     prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
     state = replace(state, prepared=prepared)
@@ -130,7 +130,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
 
 
 def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """I_0: the mean while the robot is limp."""
+    """Measure I_0: the mean current while the robot is limp."""
     if not operation.connection.meter_address:
         return _done(state, now, "measured", "no power meter: the run has no power")
     if _gone(state, now) < operation.calibration.idle_time:
@@ -143,9 +143,9 @@ def _idle_current(operation: Operation, state: OperatorState, now: float) -> Ans
 
 
 def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
-    """Held straight, until the water is calm and the robot lies where it is to start."""
+    """Hold the robot straight until the water is calm and the robot is where it is to start."""
     how, estimate = operation.calibration, state.estimate
-    if state.supervisor.state == "idle":  # not yet granted: something speaks against it, but not forever
+    if state.supervisor.state == "idle":  # not yet granted because something is wrong; wait, but not forever
         if _gone(state, now) > GRANT_TIME:
             why = ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
             return _given_up(state, now, f"The robot may not move: {why}")
@@ -201,17 +201,17 @@ _STEPS = {phase.__name__.removeprefix("_"): phase for phase in _PHASES}
 
 
 def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float) -> Float[np.ndarray, " n_joints"]:
-    """What every joint reports while the robot lies straight: the median of the samples.
+    """Return what every joint reports while the robot lies straight: the median of the samples.
 
     Args:
-        angle: What the limp joints reported [rad]; nan where one did not.
-        largest: Beyond this, the robot was not straight [rad].
+        angle: Angles that the limp joints reported [rad]; nan where one did not.
+        largest: Largest zero; beyond this, the robot was not straight [rad].
 
     Returns:
-        The zeros [rad].
+        Zeros of the joints [rad].
 
     Raises:
-        CalibrationFailed: If a joint was not heard, or is further from zero.
+        CalibrationFailed: If a joint was not heard, or is further from zero than `largest`.
     """
     if not np.isfinite(angle).any(axis=0).all():
         node = int(np.argmin(np.isfinite(angle).any(axis=0))) + 1
@@ -227,17 +227,17 @@ def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: floa
 
 
 def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) -> float:
-    """The direction of the marker body to its module, from the straight robot.
+    """Return the direction of the marker body relative to its module, from the straight robot.
 
-    All links of a straight robot point the same way, so the module's direction is the robot's, which somebody knows:
-    it lies along a wall, or along a rope.
+    All links of a straight robot point the same way, so the module's direction is the robot's, which is known: it lies
+    along a wall, or along a rope.
 
     Args:
-        rotation: From the marker body to the tank frame [-].
-        heading: Of the straight robot, tank frame [rad].
+        rotation: Rotations from the marker body to the tank frame [-].
+        heading: Heading of the straight robot, tank frame [rad].
 
     Returns:
-        [rad], in [-pi, pi).
+        Direction [rad], in [-pi, pi).
 
     Raises:
         CalibrationFailed: If there is no sample.
@@ -252,20 +252,20 @@ def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) 
 def stayed(
     places: Places, now: float, place: tuple[float, float, float], *, speed: float, rate: float, duration: float
 ) -> tuple[Places, bool]:
-    """Whether something has been still for long enough, after one more look.
+    """Return whether something has been still for long enough, after one more look.
 
-    Means over two halves of the time are compared, so noise does not count as motion.
+    Means over the two halves of the time are compared, so noise does not count as motion.
 
     Args:
-        places: As the last call returned it; () at the start.
-        now: [s].
+        places: Places returned by the last call; () at the start.
+        now: Current time [s].
         place: Center of mass [m, m] and heading [rad].
-        speed: Slower than this is still [m/s].
-        rate: Turning slower than this is still [rad/s].
-        duration: For how long it has to be [s].
+        speed: Largest speed that counts as still [m/s].
+        rate: Largest turning rate that counts as still [rad/s].
+        duration: Time for which it has to be still [s].
 
     Returns:
-        The places within the time, and whether it was still for all of it.
+        The places within that time, and whether it was still throughout.
     """
     begin = now - duration
     places = (*(place for place in places if place[0] > begin - 1e-9), (now, *place))

@@ -1,4 +1,4 @@
-"""The references of the joints: straight, straightening, or the controller's gait through the reference generator."""
+"""References of the joints: straight, straightening, or the controller's gait through the reference generator."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,81 +12,81 @@ from laticauda.gaits.reference import smooth_start
 from laticauda.operate.safety.limits import Numbers as References
 from laticauda.robot import Robot
 
-ROUNDING = 1e-9  # of sums of ticks [s]
+ROUNDING = 1e-9  # rounding error of sums of ticks [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReferenceState:
-    """The references so far, and what makes them."""
+    """State of the references, and of what generates them."""
 
     references: References
-    """phi_ref of every joint, all axes, then of a driven fin [rad]."""
+    """phi_ref of every joint, all axes, then that of a driven fin [rad]."""
     origin: References
-    """Where straightening began [rad]."""
+    """References at which straightening began [rad]."""
     since: float = 0.0
-    """When it began [s]."""
+    """Time at which straightening began [s]."""
     controller_state: Any = None
-    """Of the controller; None before the run."""
+    """State of the controller; None before the run."""
     command: interfaces.Command | None = None
-    """Its last command; None before the run."""
+    """Last command of the controller; None before the run."""
     n_decisions: int = 0
-    """How often the controller has decided [-]."""
+    """Number of decisions of the controller so far [-]."""
     due: float = 0.0
-    """When the controller decides next [s]."""
+    """Time of the controller's next decision [s]."""
     generator: GeneratorState | None = None
-    """Where the reference generator stands; None before the run."""
+    """State of the reference generator; None before the run."""
     time: float = 0.0
-    """Of the generator [s]."""
+    """Time of the generator [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReferenceSource:
-    """From observations to joint references: the controller, and the generator of the simulation."""
+    """Turns observations into joint references: the controller, and the generator of the simulation."""
 
     robot: Robot
-    """Whose joints they are."""
+    """Robot with these joints."""
     controller: interfaces.Controller[Any]
-    """What decides, as in simulation."""
+    """Controller, as in simulation."""
     ramp: float
-    """Of the smooth start [s]."""
+    """Duration of the smooth start [s]."""
     offset_bandwidth: float
-    """Of the generator [rad/s]."""
+    """Bandwidth of the generator [rad/s]."""
 
     @cached_property
     def generator(self) -> gaits.Generator:
-        """The one reference generator."""
+        """The reference generator."""
         axes = tuple(joint.axis for joint in self.robot.joints)
         return gaits.Generator(n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp)
 
     def init(self) -> ReferenceState:
-        """Straight."""
+        """Return the initial state: straight."""
         straight = np.zeros(len(self.robot.driven_joints))
         return ReferenceState(references=straight, origin=straight)
 
     def start_straightening(self, state: ReferenceState, now: float, angle: References) -> ReferenceState:
-        """Straightening begins.
+        """Start straightening.
 
         Args:
-            state: As the last call returned it, or `init`.
-            now: [s].
-            angle: Where the joints are, or their references [rad]; nan counts as straight.
+            state: State returned by the last call, or by `init`.
+            now: Current time [s].
+            angle: Angles of the joints, or their references [rad]; nan counts as straight.
         """
         origin = np.where(np.isfinite(angle), angle, 0.0)
         return replace(state, references=origin, origin=origin, since=now)
 
     def straighten(self, state: ReferenceState, now: float, duration: float) -> ReferenceState:
-        """On the way to straight, smoothly.
+        """Continue straightening, smoothly.
 
         Args:
-            state: As `start_straightening` returned it, or this.
-            now: [s].
-            duration: Of the whole way [s].
+            state: State returned by `start_straightening`, or by this method.
+            now: Current time [s].
+            duration: Duration of the whole straightening [s].
         """
         share = smooth_start(max(now - state.since, 0.0), duration)[0]
         return replace(state, references=state.origin * (1.0 - share))
 
     def begin(self, state: ReferenceState, now: float) -> ReferenceState:
-        """The run begins, straight."""
+        """Begin the run, straight."""
         gait = self.controller.gait
         return replace(
             state,
@@ -98,12 +98,12 @@ class ReferenceSource:
         )
 
     def decide(self, state: ReferenceState, now: float, observation: interfaces.Observation) -> ReferenceState:
-        """Let the controller decide, if it is due.
+        """Let the controller decide, if a decision is due.
 
         Args:
-            state: After `begin`.
-            now: [s].
-            observation: What the estimator says.
+            state: State after `begin`.
+            now: Current time [s].
+            observation: Observation from the estimator.
         """
         if now < state.due - ROUNDING:
             return state
@@ -114,13 +114,13 @@ class ReferenceSource:
         return replace(state, controller_state=controller_state, command=command, due=due, n_decisions=decided)
 
     def follow(self, state: ReferenceState, now: float) -> ReferenceState:
-        """The references at this moment.
+        """Compute the references at this moment.
 
         Args:
-            state: After `decide`.
-            now: [s].
+            state: State after `decide`.
+            now: Current time [s].
         """
-        assert state.command is not None and state.generator is not None  # `begin` made them
+        assert state.command is not None and state.generator is not None  # `begin` sets them
         gait = state.command.steered
         generator = self.generator.step(state.generator, gait, now - state.time)
         fin = self.generator.fin(generator, gait)[0]
@@ -128,5 +128,5 @@ class ReferenceSource:
         return replace(state, references=references, generator=generator, time=now)
 
     def signals(self, state: ReferenceState) -> dict[str, float]:
-        """The controller's signals; empty before the run, or if it has none."""
+        """Return the controller's signals; empty before the run, or if it has none."""
         return {} if state.controller_state is None else dict(self.controller.signals(state.controller_state))

@@ -1,4 +1,4 @@
-"""What a tick of an operation takes, keeps and gives, and how what came in becomes samples and an estimate."""
+"""Inputs, state and outputs of a tick of an operation, and how inputs become samples and an estimate."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -14,38 +14,38 @@ from laticauda.operate.safety.limits import LimitState, Modules, updated
 from laticauda.operate.safety.supervisor import PHASES, SupervisorState
 from laticauda.operate.settings import CaptureVolume, Operation
 
-CLOCK_WINDOW = 5.0  # in which the smallest latency of the cameras is looked for [s]
+CLOCK_WINDOW = 5.0  # window in which the smallest latency of the cameras is found [s]
 Places = tuple[tuple[float, float, float, float], ...]
 
 
 class ClockState(NamedTuple):
-    """What is known of another clock: the smallest differences of this window of time and of the one before."""
+    """What is known about another clock: the smallest differences in this time window and in the one before."""
 
     smallest: float
-    """Since the window began, own clock minus the other [s]."""
+    """Smallest difference since the window began, own clock minus the other [s]."""
     before: float
-    """In the window before [s]."""
+    """Smallest difference in the window before [s]."""
     began: float
-    """The window, own clock [s]."""
+    """Time at which the window began, own clock [s]."""
 
     @property
     def offset(self) -> float:
-        """Own clock minus the other, with the smallest latency in it [s]."""
+        """Own clock minus the other, including the smallest latency [s]."""
         return min(self.smallest, self.before)
 
 
 def clock_after(state: ClockState | None, arrival: float, stamp: float, window: float = CLOCK_WINDOW) -> ClockState:
-    """What is known of the difference of two clocks after one more frame.
+    """Update what is known about the difference of two clocks with one more frame.
 
-    A frame is never early: own time of arrival minus its stamp is the offset plus a latency >= 0. The smallest one of
-    the last seconds is the best estimate, and the smallest latency itself stays in it. What is older is forgotten:
-    clocks drift, and the cameras' clock may jump, when their computer stalls or the measurement is begun anew.
+    A frame is never early: its arrival on our own clock minus its stamp is the offset plus a latency >= 0. The smallest
+    difference of the last seconds is the best estimate; it includes the smallest latency. Older ones are forgotten:
+    clocks drift, and the cameras' clock may jump when their computer stalls or the measurement is restarted.
 
     Args:
-        state: As the last call returned it; None: nothing is known.
-        arrival: Of the frame, own clock [s].
-        stamp: Of the frame, the other clock [s].
-        window: For so long a smallest latency counts at least, and for twice as long at most [s].
+        state: State returned by the last call; None: nothing is known.
+        arrival: Arrival time of the frame, own clock [s].
+        stamp: Timestamp of the frame, the other clock [s].
+        window: Shortest time for which a smallest latency counts; the longest is twice this [s].
     """
     difference = arrival - stamp
     if state is None or arrival - state.began >= 2.0 * window:
@@ -57,75 +57,75 @@ def clock_after(state: ClockState | None, arrival: float, stamp: float, window: 
 
 @dataclass(frozen=True, kw_only=True)
 class MeanCurrent:
-    """A mean over the readings of a time: I_0 at rest."""
+    """Mean current over the readings of a period, such as I_0 at rest."""
 
     total: float = 0.0
-    """Sum [A]."""
+    """Sum of the readings [A]."""
     count: int = 0
     """Number of readings [-]."""
 
     def step(self, current: float) -> "MeanCurrent":
-        """With one more reading of a `current` [A]."""
+        """Return the mean with one more reading of the `current` [A]."""
         return MeanCurrent(total=self.total + current, count=self.count + 1)
 
     @property
     def mean(self) -> float | None:
-        """[A]; None without a reading."""
+        """Mean current [A]; None without a reading."""
         return self.total / self.count if self.count else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Inputs:
-    """What came in since the last tick."""
+    """Data received since the last tick."""
 
     messages: tuple[tuple[float, protocol.CanMessage], ...] = ()
-    """From the bus, with the time of their arrival [s]."""
+    """Messages from the bus, with their arrival times [s]."""
     frames: tuple[tuple[float, PoseSample], ...] = ()
-    """From the motion capture, with the time of their arrival [s]; their own time is that of the cameras' clock, and
-    they are in the tank frame."""
+    """Frames from the motion capture, with their arrival times [s]; their own times are on the cameras' clock, and they
+    are in the tank frame."""
     readings: tuple[PowerReading, ...] = ()
-    """From the power meter, on our clock."""
+    """Readings of the power meter, on our clock."""
     events: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What drivers, recorder and operator say, by the names of the supervisor's table, with a sentence each."""
+    """Events from drivers, recorder and operator, by their names in the supervisor's table, each with a sentence."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outputs:
-    """What goes out."""
+    """Outputs of a tick."""
 
     messages: tuple[protocol.CanMessage, ...] = ()
-    """To the bus, in this order."""
+    """Messages to the bus, in this order."""
     entries: tuple[Entry, ...] = ()
-    """To be recorded: what the estimator took, in that order, on our clock and in the path frame, the power meter's
-    readings, the estimate, what the controller decided if it was due, and what happened."""
+    """Entries to record: the samples that the estimator got, in that order, on our clock and in the path frame, the
+    power meter's readings, the estimate, the controller's decision if one was due, and events."""
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened."""
+        """Events among the entries."""
         return tuple(entry for entry in self.entries if isinstance(entry, Event))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """What the preparations found."""
+    """Results of the preparations."""
 
     marker_turned: float = 0.0
-    """By how much the marker body sits otherwise on its module than the trial file says, as measured [rad]."""
+    """Measured rotation of the marker body on its module relative to what the trial file says [rad]."""
     angle: tuple[np.ndarray, ...] = ()
     """Joint angles of the limp robot [rad]."""
     rotation: tuple[np.ndarray, ...] = ()
-    """Of the marker body, path frame [-]."""
+    """Rotations of the marker body, path frame [-]."""
     sets_zero: bool = False
-    """Whether the modules are to take their angles as zero."""
+    """Whether the modules are to take their present angles as zero."""
     places: Places = ()
-    """Where the robot was in the last moments."""
+    """Places of the robot in the last moments."""
     start: tuple[float, float, float] | None = None
     """Center of mass [m, m] and heading [rad] of the robot at rest, path frame: p_y(0) and theta(0)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OperatorState:
-    """Where an operation stands."""
+    """State of an operation."""
 
     phase: str = PHASES[0]
     """One of `PHASES`."""
@@ -134,29 +134,29 @@ class OperatorState:
     now: float | None = None
     """Time of the last tick [s]; None before the first."""
     supervisor: SupervisorState
-    """The safety supervisor's."""
+    """State of the safety supervisor."""
     limits: LimitState
-    """Of the limits."""
+    """State of the limits."""
     modules: Modules
-    """What the modules say."""
+    """State of the modules."""
     estimator: Any
     """State of the state estimation."""
     estimate: Estimate | None = None
-    """Where the robot is, path frame; None before it is known."""
+    """Estimate of where the robot is, path frame; None before it is known."""
     clock: ClockState | None = None
     """Offset of the cameras' clock."""
     frame_time: float | None = None
-    """When the cameras saw the robot last; None before [s]."""
+    """Time at which the cameras last saw the robot [s]; None before."""
     reading: PowerReading | None = None
-    """The last one of the power meter."""
+    """Last reading of the power meter."""
     idle: MeanCurrent = field(default_factory=MeanCurrent)
     """Current at rest, before the run."""
     drawn: MeanCurrent = field(default_factory=MeanCurrent)
-    """Current of the run."""
+    """Current during the run."""
     reference: ReferenceState
-    """The references of the joints."""
+    """State of the joint references."""
     prepared: Prepared
-    """What the preparations found."""
+    """Results of the preparations."""
     begun: float | None = None
     """When the run began [s]; None before."""
     ended: float | None = None
@@ -170,7 +170,7 @@ class OperatorState:
     notes: tuple[str, ...] = ()
     """Events of the run that did not stop it."""
     ordered: float = -1e9
-    """When the last order went out that waits to be obeyed [s]."""
+    """Time at which the last order was sent that is waiting to be obeyed [s]."""
     sync: int = 0
     """Counter of the next Sync [-]."""
 
@@ -186,17 +186,17 @@ class OperatorState:
 def take_in(
     operation: Operation, estimator: StateEstimator, state: OperatorState, now: float, inputs: Inputs
 ) -> tuple[OperatorState, tuple[Measurement, ...]]:
-    """The latest of everything, and the estimate.
+    """Take in the inputs of a tick, and update the estimate.
 
     Args:
-        operation: Whose tank and calibration they are.
+        operation: Operation that defines tank and calibration.
         estimator: The state estimation.
-        state: Before.
-        now: [s].
-        inputs: What came in since the last tick.
+        state: State before.
+        now: Current time [s].
+        inputs: Data received since the last tick.
 
     Returns:
-        The state, and what the estimator got, in that order; then the power meter's readings.
+        The new state; and the samples that the estimator got, in that order, then the power meter's readings.
     """
     modules = updated(state.modules, inputs.messages)
     samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
@@ -217,7 +217,7 @@ def take_in(
 
 
 def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) -> PoseSample:
-    """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
+    """Convert a frame to our clock, to the path frame, and to a marker body mounted as in the trial file."""
     rotation = frame.rotation
     if rotation is not None:
         rotation = kinematics.turn("yaw", -tank.path_heading) @ rotation @ kinematics.turn("yaw", -turned)
@@ -226,7 +226,7 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
 
 
 def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
-    """The estimate with the samples; an error in it stops the robot, and not the program."""
+    """Update the estimate with the samples; an error in it stops the robot, not the program."""
     try:
         after = estimator.steps(state.estimator, samples)
         return replace(state, estimator=after, estimate=estimator.estimate(after, now))
@@ -235,7 +235,7 @@ def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samp
 
 
 def _references(state: OperatorState) -> tuple[ReferenceSample, ...]:
-    """The references that went out at the last tick."""
+    """Return the references that were sent at the last tick."""
     if state.now is None or not state.supervisor.sends_references:
         return ()
     gait = state.reference.command.gait if state.phase == "running" and state.reference.command else None
@@ -244,7 +244,7 @@ def _references(state: OperatorState) -> tuple[ReferenceSample, ...]:
 
 
 def _joints(state: OperatorState, modules: Modules) -> tuple[JointSample, ...]:
-    """What the modules answered to the Sync with which the last tick ended."""
+    """Return the modules' answers to the Sync that ended the last tick."""
     fresh = modules.angle_time >= (np.inf if state.now is None else state.now)
     if state.now is None or not fresh.any():
         return ()

@@ -1,6 +1,6 @@
-"""The devices: modules' bus, motion capture, power meter, emergency-stop input. No exception ends their threads.
+"""Drivers of the devices: modules' bus, motion capture, power meter, emergency-stop input.
 
-`base` says what a driver is, how one of your own is found, and what it has to do.
+No exception ends their threads. `base` says what a driver is, how your own driver is found, and what it has to do.
 """
 
 from laticauda.operate.drivers.base import KINDS, Bus, Frame, Meter, MotionCapture, StopInput, driver_named

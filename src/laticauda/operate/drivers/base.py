@@ -1,20 +1,20 @@
-"""What a driver is: the contract between the loop of an operation and a device, for each kind of device.
+"""Drivers: the contract between the loop of an operation and a device, for each kind of device.
 
-A driver is a class below `Bus`, `MotionCapture`, `Meter` or `StopInput`. It is known by its name (`called`, or that of
-the class with hyphens) if it comes with the package, or if an installed package names it in an entry point of the group
-``laticauda.drivers.KIND``; nothing else is imported for a name. What every driver keeps to:
+A driver is a subclass of `Bus`, `MotionCapture`, `Meter` or `StopInput`. It is known by its name (`called`, or the name
+of the class with hyphens) if it comes with the package, or if an installed package names it in an entry point of the
+group ``laticauda.drivers.KIND``; nothing else is imported for a name. Every driver obeys these rules:
 
-- It is made with an address, a text that it reads by itself, and the clock of the operation. It is connected when it
-  has been made, within 10 s, or raises `DeviceFailed`, whose sentence says what was tried and what to check.
-- `work` runs in a thread of its own (`Worker`), again and again, and comes back within some tenths of a second, or when
-  `_ended` is set. An exception in it becomes a sentence in `trouble`, and after half a second it is called again: a
-  connection that broke is made anew.
-- What came in is appended to `_found` with the time of its arrival by the operation's clock, which is not wall time
-  where that has a `speed`. `receive` hands it over and never waits; nor does any other method that the loop calls.
-- What comes over the wire is not to be trusted: what makes no sense is lost, and never an exception in the loop.
-- `close` ends the thread, and `release` gives back what the device holds.
+- It is created with an address, a text that it parses itself, and the clock of the operation. Its constructor returns
+  within 10 s, connected, or raises a `DeviceFailed` whose message says what was tried and what to check.
+- `work` is called repeatedly in a separate thread (`Worker`), and returns within some tenths of a second, or when
+  `_ended` is set. An exception in it becomes a sentence in `trouble`, and it is called again after half a second, so
+  that a broken connection is restored.
+- Received data are appended to `_found` with the time of arrival on the operation's clock, which is not wall time if
+  that clock has a `speed`. `receive` hands them over and never waits; nor does any other method that the loop calls.
+- Data from the wire are not trusted: invalid data are dropped, and never cause an exception in the loop.
+- `close` ends the thread, and `release` frees what the device holds.
 
-`laticauda.operate.drivers.contract` tests a driver by this.
+`laticauda.operate.drivers.contract` tests a driver against these rules.
 """
 
 import time
@@ -30,30 +30,30 @@ from laticauda.protocol.worker import Clock, DeviceFailed, T, Worker
 
 
 class Frame(NamedTuple):
-    """One frame that went over the modules' bus."""
+    """One frame on the modules' bus."""
 
     time: float
-    """When it came or went, our clock [s]."""
+    """Time at which it was received or sent, on our clock [s]."""
     identifier: int
-    """[-]."""
+    """Identifier [-]."""
     data: bytes
-    """[-]."""
+    """Data [-]."""
     is_ours: bool
     """Whether we sent it."""
     message: CanMessage | None
-    """What it says; None if it is none of our protocol."""
+    """Message in the frame; None if it is not part of our protocol."""
 
 
 class Driver(Worker[T]):
-    """What all kinds have in common.
+    """Base of all kinds of drivers.
 
     Args:
-        address: Where the device is, as the driver's class says.
-        clock: What stamps what comes in.
+        address: Address of the device, in the form that the driver's class defines.
+        clock: Clock that timestamps incoming data.
 
     Raises:
-        DeviceFailed: If it cannot be reached; the message says what to check.
-        ValueError: If the address is none.
+        DeviceFailed: If the device cannot be reached; the message says what to check.
+        ValueError: If the address is invalid.
         MissingExtra: If a library is not installed.
     """
 
@@ -64,39 +64,39 @@ class Driver(Worker[T]):
 
     @classmethod
     def check(cls, address: str) -> None:
-        """Refuse an `address` that is none, by a `ValueError`, before anything is connected."""
+        """Reject an invalid `address` with a `ValueError`, before anything is connected."""
         if not address.strip():
             raise BadArgument("address", "must not be empty")
 
 
 class Bus(Driver[Frame], Extensible, group="drivers.bus"):
-    """The modules' bus. `receive` gives frames; what they say are `JointState` and `Heartbeat`, by node.
+    """The modules' bus. `receive` returns frames, whose messages are `JointState` and `Heartbeat`, by node.
 
-    A bus that is not `mamba.dbc`'s says the same: node 1 is the joint nearest the tail; every `Sync` is answered with a
-    `JointState` of every node, and `Heartbeat` come ten times a second. A joint whose references stay away is held for
-    a second at most, and then limp, whoever sees to that: the device, or the driver where the device cannot.
+    A bus other than that of `mamba.dbc` behaves the same: node 1 is the joint nearest the tail; every `Sync` is
+    answered with a `JointState` of every node, and a `Heartbeat` comes ten times a second. A joint without references
+    is held for a second at most, and then limp; the device ensures this, or the driver if the device cannot.
     """
 
     @property
     def bus_off(self) -> str:
-        """Why nothing can be sent now, in a sentence; "" if it can. It stops the robot."""
+        """Why nothing can be sent now, as a sentence, which stops the robot; "" if frames can be sent."""
         raise NotImplementedError
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
-        """Send `messages` in this order, without waiting: the frames that went out, one per message."""
+        """Send `messages` in this order, without waiting; return the frames that went out, one per message."""
         raise NotImplementedError
 
 
 class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers.mocap"):
-    """The rigid body on the robot, as cameras see it. `receive` gives poses in the tank frame, each behind its arrival.
+    """The rigid body on the robot, as seen by cameras. `receive` returns arrival times with poses in the tank frame.
 
-    A pose's own time is the cameras' clock, whose offset the operation finds. A frame in which the body is not seen has
-    nan in its position; it is an error at the begin only if there is no such body. A pose is never repeated.
+    A pose's own time is on the cameras' clock, whose offset the operation finds. A frame in which the body is not seen
+    has nan in its position; at the beginning, it is an error only if there is no such body. A pose is never repeated.
 
     Args:
-        address: Where it is.
-        clock: What stamps the arrivals.
-        body: Name of the rigid body; "" takes the only one there is.
+        address: Address of the motion capture.
+        clock: Clock of the arrival times.
+        body: Name of the rigid body; "": the only one there is.
     """
 
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
@@ -105,32 +105,32 @@ class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers
 
 
 class Meter(Driver[PowerReading], Extensible, group="drivers.meter"):
-    """The power meter in the supply cable. `receive` gives readings of the current, at least one a second."""
+    """The power meter in the supply cable. `receive` returns readings of the current, at least one per second."""
 
     def restart(self) -> None:
-        """Begin the record of average, minimum and maximum anew, if it keeps one; does not wait."""
+        """Restart the record of average, minimum and maximum, if the meter keeps one; does not wait."""
 
 
 class StopInput(Driver[str], Extensible, group="drivers.stop"):
-    """The emergency-stop input. `receive` gives why the robot must stop, and nothing while all is well.
+    """The emergency-stop input. `receive` returns why the robot must stop, and nothing while all is well.
 
-    It is asked in every tick, and is safe where it fails: a contact that is open, however shortly, a line that is lost
-    and a `work` that does not come back are reasons to stop.
+    It is queried at every tick, and is fail-safe: a contact that is open, however briefly, a line that is lost and a
+    `work` that does not return are reasons to stop.
     """
 
     OLDEST = 0.25
-    """A contact that was looked at longer ago is as good as open [s, wall clock]."""
+    """Age beyond which a reading of the contact counts as open [s, wall clock]."""
 
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
         self._looked = time.monotonic()
 
     def look(self) -> str:
-        """Why the robot must stop, "" if it need not; an exception is a reason, too."""
+        """Return why the robot must stop, or "" if it need not; an exception is also a reason."""
         raise NotImplementedError
 
     def work(self) -> None:
-        """One look."""
+        """Look once."""
         try:
             why = self.look()
         except Exception as error:
@@ -141,26 +141,26 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
             self._found.append(why)
 
     def receive(self) -> tuple[str, ...]:
-        """Why the robot must stop, as seen since the last call."""
+        """Return why the robot must stop, as seen since the last call."""
         age = time.monotonic() - self._looked
         return super().receive() or ((f"it was read {age:.2f} s ago",) if age > self.OLDEST else ())
 
 
 KINDS: dict[str, Any] = {"bus": Bus, "mocap": MotionCapture, "meter": Meter, "stop": StopInput}
-"""The bases, by the words of trial files and entry points."""
+"""Base classes, by the words in trial files and entry points."""
 
 
 def driver_named(kind: str, name: str, address: str) -> Any:
-    """The class of a driver, after a look at its address.
+    """Return the class of a driver, after checking the address.
 
     Args:
         kind: One of `KINDS`.
-        name: Of the driver.
-        address: What it is to be made with.
+        name: Name of the driver.
+        address: Address for the driver.
 
     Raises:
         DeviceFailed: If its package cannot be loaded.
-        ValueError: If there is none of this name, or the address is none; it names the `kind`, or ``KIND_address``.
+        ValueError: If there is no driver of this name, or the address is invalid; it names `kind`, or ``KIND_address``.
     """
     try:
         found = KINDS[kind].named(name)
@@ -174,10 +174,10 @@ def driver_named(kind: str, name: str, address: str) -> Any:
 
 
 def host_and_port(address: str) -> tuple[str, int]:
-    """The parts of an `address` HOST:PORT.
+    """Return host and port of an `address` HOST:PORT.
 
     Raises:
-        ValueError: If it is none.
+        ValueError: If the address does not have this form.
     """
     host, _, port = address.rpartition(":")
     if not host or not (port.isascii() and port.isdigit() and 0 < int(port) < 65536):

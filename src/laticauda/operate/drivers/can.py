@@ -1,6 +1,6 @@
-"""The CAN bus, by python-can: frames in and out, and whether the computer is still on the bus."""
+"""Driver of the CAN bus, with python-can: frames in and out, and whether the computer is still on the bus."""
 
-# python-can is partly typed: this module hands typed messages on.
+# python-can is partly typed: this module passes typed messages on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
@@ -13,12 +13,12 @@ from laticauda.protocol import BusFailed, CanMessage, bus_address, from_frame, f
 from laticauda.protocol.worker import Clock, DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
-BUS_OFF = 0x40  # of the identifier of Linux' error frames
+BUS_OFF = 0x40  # bit in the identifier of Linux's error frames
 ADVICE: dict[str, str] = read_toml(Path(__file__).with_suffix(".toml"))
 
 
 class CanDriver(Bus):
-    """The CAN bus of `mamba.dbc`; the address is as `laticauda.protocol.bus_address` has it, such as socketcan:can0."""
+    """The CAN bus of `mamba.dbc`; for addresses, such as socketcan:can0, see `laticauda.protocol.bus_address`."""
 
     called = "can"
 
@@ -40,7 +40,7 @@ class CanDriver(Bus):
 
     @property
     def bus_off(self) -> str:
-        """Why nothing can be sent, in a sentence; "" if it can."""
+        """Why nothing can be sent, as a sentence; "" if frames can be sent."""
         return self._send_trouble or (self.trouble if self._is_off else "")
 
     def work(self) -> None:
@@ -59,18 +59,18 @@ class CanDriver(Bus):
             return
         self._is_off = False
         if not from_node(frame.arbitration_id):
-            return  # our own, which udp_multicast brings back
+            return  # our own, returned by udp_multicast
         wire = frame.arbitration_id, bytes(frame.data)
         self._found.append(Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame)))
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
-        """Send messages, in this order.
+        """Send messages in this order.
 
         Args:
-            messages: What to say.
+            messages: Messages to send.
 
         Returns:
-            The frames that went out; `bus_off` says that others did not.
+            The frames that went out; if others did not, `bus_off` says so.
         """
         sent: list[Frame] = []
         trouble = ""
@@ -78,7 +78,7 @@ class CanDriver(Bus):
             try:
                 frame = to_frame(message)
                 self._bus.send(frame, timeout=0.0)
-            except Exception as error:  # the supervisor gets it, and the modules stop by themselves
+            except Exception as error:  # the supervisor is told, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
             wire = frame.arbitration_id, bytes(frame.data)

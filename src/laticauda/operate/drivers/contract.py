@@ -1,6 +1,6 @@
-"""A driver alone: what comes from it, and whether it keeps to what `laticauda.operate.drivers.base` says of drivers.
+"""Tests of a single driver: what comes from it, and whether it obeys the rules of `laticauda.operate.drivers.base`.
 
-The test of a driver's author is one line, with the device there, or its emulator; `absent` is an address of nothing:
+A driver's test is one line, with the device or its emulator connected; `absent` is an address without a device:
 
     assert contract.broken("mocap", "mine@127.0.0.1:9870", absent="mine@127.0.0.1:1") == ()
 """
@@ -20,34 +20,34 @@ from laticauda.operate.settings import Connection
 from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, Order, Sync, references
 
 TICK = 0.01  # [s]
-LONGEST = 0.05  # that a call of the loop may take [s]
+LONGEST = 0.05  # time that a call of the loop may take [s]
 LEAST_BEATS, LEAST_ANSWERS = 5.0, 20.0  # per second and node
 LIMP_WITHIN = 1.5  # without references, or after an emergency stop [s]
-END_WITHIN = 3.0  # of a driver's threads, after `close` [s]
+END_WITHIN = 3.0  # time in which a driver's threads must end after `close` [s]
 
 
 class Heard(NamedTuple):
-    """One thing that came from a driver."""
+    """One item received from a driver."""
 
     what: str
-    """Its kind, with the node."""
+    """Kind of item, with the node."""
     time: float
-    """When it came [s]."""
+    """Time of arrival [s]."""
     value: Any
-    """What the loop would get."""
+    """Value that the loop would get."""
 
 
 def listen(driver: Any, clock: Clock, duration: float, *, messages: Any = ()) -> tuple[list[Heard], float]:
-    """Do as the loop does for a while: ask for what there is, a hundred times a second; a bus gets a `Sync` each time.
+    """Act as the loop for a while: call `receive` a hundred times a second; a bus is sent a `Sync` each time.
 
     Args:
-        driver: Of any kind, connected.
-        clock: Its clock.
-        duration: For how long [s].
-        messages: For a bus: what is sent each time, before the `Sync`.
+        driver: Connected driver of any kind.
+        clock: Clock of the driver.
+        duration: How long to listen [s].
+        messages: For a bus: messages to send each time, before the `Sync`.
 
     Returns:
-        What came, oldest first, and how long the longest call took [s].
+        The items received, oldest first, and the duration of the longest call [s].
     """
     found: list[Heard] = []
     longest, begun = 0.0, time.monotonic()
@@ -76,15 +76,15 @@ def _heard(one: Any, now: float) -> Heard:
 def broken(
     kind: str, device: str, *, absent: str = "", body: str = "", duration: float = 2.0, moves: bool = False
 ) -> tuple[str, ...]:
-    """What a driver does not keep to, in sentences; none if it is well.
+    """Return the rules that a driver violates, as sentences; none if all is well.
 
     Args:
         kind: One of `laticauda.operate.drivers.KINDS`.
-        device: DRIVER@ADDRESS of the device that is there.
-        absent: The same with an address where nothing is; "" leaves out that it is refused.
-        body: For a motion capture: name of the body.
-        duration: How long it is listened to [s].
-        moves: For a bus: switch the motors on where the joints stand, too, and see them off again without references.
+        device: DRIVER@ADDRESS of a device that is present.
+        absent: The same with an address without a device; "": that it is refused is not tested.
+        body: For motion capture: name of the body.
+        duration: How long to listen [s].
+        moves: For a bus: also switch the motors on where the joints are, and see them go off without references.
     """
     threads, clock, found = set(threading.enumerate()), Clock(), list[str]()
     there = Connection(mocap_body=body).at(**{kind: device})
@@ -101,8 +101,8 @@ def broken(
             found += _limp(driver, clock, values, moves)
         elif kind == "meter":
             driver.restart()
-    driver.close()  # twice does no harm
-    there.opened(kind, clock).close()  # what was closed can be opened again
+    driver.close()  # closing twice does no harm
+    there.opened(kind, clock).close()  # a closed driver can be opened again
     end = time.monotonic() + END_WITHIN
     while (left := set(threading.enumerate()) - threads) and time.monotonic() < end:
         time.sleep(TICK)
@@ -117,7 +117,7 @@ def broken(
 
 
 def _bus(found: list[Any], duration: float) -> Iterator[str]:
-    """Every node answers, and says how it is."""
+    """Check that every node answers and sends heartbeats."""
     nodes = sorted({one.node for one in found if isinstance(one, JointState | Heartbeat)})
     if not nodes or nodes != list(range(1, len(nodes) + 1)):
         yield f"the nodes must be 1, 2, ..., got {nodes}"
@@ -128,7 +128,7 @@ def _bus(found: list[Any], duration: float) -> Iterator[str]:
 
 
 def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[str]:
-    """Modules are limp without references, and after an emergency stop."""
+    """Check that modules are limp without references, and after an emergency stop."""
     angles = {one.node: one.angle for one in found if isinstance(one, JointState)}
     held = references([angles[node] for node in sorted(angles)]) if angles else ()
     steps = [
@@ -147,7 +147,7 @@ def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[
 
 
 def _mocap(found: list[Any], duration: float) -> Iterator[str]:
-    """Poses of one body, none twice, with rotations that are some."""
+    """Check the poses of one body: none is repeated, and all rotations are valid."""
     if all(pose.is_lost for pose in found):
         yield "the body must be seen"
     if any(after.time <= before.time for before, after in pairwise(found)):
@@ -159,7 +159,7 @@ def _mocap(found: list[Any], duration: float) -> Iterator[str]:
 
 
 def _others(found: list[Any], duration: float) -> Iterator[str]:
-    """Readings are numbers, at least one a second; and there is no reason to stop."""
+    """Check that readings are finite numbers, and that there is no reason to stop."""
     reasons = [one for one in found if isinstance(one, str)]
     if reasons:
         yield f"the contact must be closed for this test: {reasons[0]}"

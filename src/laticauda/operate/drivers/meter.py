@@ -1,6 +1,6 @@
-"""The power meter in the supply cable, by pyserial: current now, average, minimum and maximum."""
+"""Driver of the power meter in the supply cable, with pyserial: current now, average, minimum and maximum."""
 
-# pyserial has no types: this module hands typed readings on.
+# pyserial has no types: this module passes typed readings on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import contextlib
@@ -14,11 +14,11 @@ from laticauda.protocol import ProtocolError, meter
 from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
 ANSWER_TIME = 1.0  # [s, wall clock]
-INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]
+INTERVAL = 0.1  # between two queries; the meter's own interval is about as long [s]
 
 
 class MeterDriver(Meter):
-    """A multimeter of Fluke's; the address is its serial port, or a pseudo-terminal."""
+    """A Fluke multimeter; the address is its serial port, or a pseudo-terminal."""
 
     called = "fluke"
 
@@ -29,7 +29,7 @@ class MeterDriver(Meter):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            answers = (self._query(meter.IDENTITY) for _ in range(2))  # the first may be to what was asked before us
+            answers = (self._query(meter.IDENTITY) for _ in range(2))  # the first may answer an earlier query
             if not any((identity := one).count(",") == 2 for one in answers):  # model, software, serial number
                 raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {identity!r:.80}")
         except (OSError, ProtocolError, ValueError) as error:
@@ -41,11 +41,11 @@ class MeterDriver(Meter):
         self._start()
 
     def restart(self) -> None:
-        """Begin the meter's record of average, minimum and maximum anew."""
+        """Restart the meter's record of average, minimum and maximum."""
         self._restart.set()
 
     def work(self) -> None:
-        """One question and its answer."""
+        """Send one query, and take in its answer."""
         try:
             if self._restart.is_set():
                 self._query(meter.RESTART, has_data=False)
@@ -53,14 +53,14 @@ class MeterDriver(Meter):
                 self._restart.clear()
             shown = meter.decode_displayed(self._query(meter.DISPLAYED))
         except Exception:
-            self.release()  # and open it again at the next try
+            self.release()  # it is opened again at the next try
             raise
         record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
         self._found.append(PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record))
         self._ended.wait(INTERVAL / self._clock.speed)
 
     def _query(self, word: str, *, has_data: bool = True) -> str:
-        """The answer's line of data."""
+        """Send a query, and return the data line of the answer."""
         if self._line is None:
             self._line = self._serial.Serial(self._address, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
         self._line.reset_input_buffer()

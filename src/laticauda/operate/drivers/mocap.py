@@ -1,6 +1,6 @@
-"""The motion capture, by the vendor's own client package, whose event loop runs in a thread."""
+"""Driver of the motion capture, with the vendor's own client package, whose event loop runs in a thread."""
 
-# qtm_rt has no types: this module hands typed frames on.
+# qtm_rt has no types: this module passes typed frames on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 # pyright: reportUnknownLambdaType=false
 
@@ -23,11 +23,11 @@ CONNECT_TIME = 5.0  # [s, wall clock]
 
 
 def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
-    """What the cameras say of a body.
+    """Return the pose sample of a body.
 
     Args:
-        time: When they took the frame [s].
-        pose: None: they did not see it.
+        time: Time at which the cameras took the frame [s].
+        pose: Pose of the body; None: not seen.
     """
     if pose is None:
         return PoseSample(time=time, position=LOST)
@@ -36,23 +36,23 @@ def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
 
 
 def _of_body(packet: Any, at: Sequence[int]) -> BodyPose | None:
-    """Of a rigid body."""
+    """Return the pose of a rigid body."""
     position, matrix, residual = packet.get_6d_residual()[1][at[0]]
     return body_pose((*position, *matrix.matrix, *residual))
 
 
 def _of_markers(packet: Any, at: Sequence[int]) -> BodyPose | None:
-    """Of three labelled markers: x from the second to the first, y towards the third; the origin is amid the two."""
+    """Return the pose of three labeled markers: x from the second to the first, origin midway, y toward the third."""
     front, back, left = np.array([packet.get_3d_markers_residual()[1][one][:3] for one in at])
     x, z = front - back, np.cross(front - back, left - back)
-    if not np.linalg.norm(z) > 0.0:  # of a marker that is not seen, or three in a row
+    if not np.linalg.norm(z) > 0.0:  # a marker is not seen, or the three are collinear
         return None
     axes = [axis / np.linalg.norm(axis) for axis in (x, np.cross(z, x), z)]
     return body_pose((*(0.5 * (front + back)).tolist(), *np.concatenate(axes).tolist()))
 
 
 def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
-    """Of a skeleton's segment."""
+    """Return the pose of a skeleton's segment."""
     segments = [segment for skeleton in packet.get_skeletons()[1] for segment in skeleton]
     _, position, turned = segments[at[0]]
     return body_pose((*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist()))
@@ -63,13 +63,13 @@ FORMS = {
     "3d": ("markers", "3dres", _of_markers),
     "skeleton": ("segments", "skeleton", _of_segment),
 }
-"""What a body may be, by what QTM calls its parameters: in words, as a component of a packet, and where it is."""
+"""Forms of a body, by QTM's name of the parameters: in words, as a component of a packet, and how to get its pose."""
 
 
 class MocapDriver(MotionCapture):
-    """A body of QTM's; the address is HOST:PORT, the port that for the least significant byte first.
+    """A body in QTM; the address is HOST:PORT, with the port for the least significant byte first.
 
-    The body is a rigid body NAME, three labelled markers FRONT+BACK+LEFT or a segment SKELETON/SEGMENT.
+    The body is a rigid body NAME, three labeled markers FRONT+BACK+LEFT or a segment SKELETON/SEGMENT.
     """
 
     called = "qtm"
@@ -77,10 +77,10 @@ class MocapDriver(MotionCapture):
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
         super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
-        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
+        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # our messages report its errors
         self._form = "skeleton" if "/" in body else "3d" if body.count("+") == 2 else "6d"
         self._called, self._component, self._pose = FORMS[self._form]
-        self._at: list[int] = []  # places of the body, or its markers, in the server's list
+        self._at: list[int] = []  # indices of the body, or its markers, in the server's list
         self._first: DeviceFailed | None = None
         self._ready = threading.Event()
         self._start()
@@ -95,11 +95,11 @@ class MocapDriver(MotionCapture):
         host_and_port(address)
 
     def work(self) -> None:
-        """One connection, from its begin to its end."""
+        """Handle one connection, from beginning to end."""
         try:
             asyncio.run(self._connected())
         except Exception as error:
-            if not self._ready.is_set():  # the first error is for who made this driver
+            if not self._ready.is_set():  # the first error is for the creator of this driver
                 known = isinstance(error, DeviceFailed)
                 said = f"The motion capture at {self._address} fails: {error!r}."
                 self._first = error if known else DeviceFailed(said)
@@ -118,10 +118,10 @@ class MocapDriver(MotionCapture):
             )
         try:
             await self._find_body(link)
-            # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
+            # The client waits for the first frame; cameras that do not measure yet are not a connection error.
             stream = link.stream_frames(frames="allframes", components=[self._component], on_packet=self._on_packet)
             begun = asyncio.ensure_future(stream)
-            # Nobody waits for its answer: frames that come, or do not, say the same.
+            # Its result is not awaited: whether frames arrive says the same.
             begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
             self._trouble = ""
             self._ready.set()
@@ -135,7 +135,7 @@ class MocapDriver(MotionCapture):
             raise DeviceFailed(f"the motion capture at {self._address} closed the connection")
 
     async def _find_body(self, link: Any) -> None:
-        """The place of the body in the list."""
+        """Find the indices of the body in the list."""
         names = _names(ElementTree.fromstring(await link.get_parameters([self._form])))
         listed = ", ".join(names) or "none"
         wanted = self._body.split("+") if self._form == "3d" else [self._body or listed]
@@ -147,19 +147,19 @@ class MocapDriver(MotionCapture):
         self._at = [names.index(name) for name in wanted]
 
     def _on_packet(self, packet: Any) -> None:
-        """One packet, in the thread of the event loop."""
+        """Take in one packet, in the thread of the event loop."""
         arrival = self._clock.now()
         try:
             pose = self._pose(packet, self._at)
             stamp = packet.timestamp / 1e6
-        except Exception as error:  # a packet that makes no sense is a frame that is lost
+        except Exception as error:  # an invalid packet is a lost frame
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
         self._found.append((arrival, pose_sample(stamp, pose)))
 
 
 def _names(told: ElementTree.Element) -> list[str]:
-    """Of all bodies, labels or segments, in the order in which packets have them."""
+    """Return the names of all bodies, labels or segments, in the order of the packets."""
     segments = ((skeleton, part) for skeleton in told.iter("Skeleton") for part in skeleton.iter("Segment"))
     names = ["/".join(str(one.get("Name")) for one in pair) for pair in segments]
     texts = [*told.findall(".//Body/Name"), *told.findall(".//Label/Name")]

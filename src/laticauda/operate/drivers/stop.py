@@ -1,9 +1,9 @@
-"""An emergency-stop button on a modem line of a serial port, by pyserial.
+"""Driver of an emergency-stop button on a modem line of a serial port, with pyserial.
 
-The contact, closed while the robot may move, lies between RTS, which is high while the port is open, and the line.
+The contact, closed while the robot may move, is wired between RTS, high while the port is open, and the line.
 """
 
-# pyserial has no types: this module hands texts on.
+# pyserial has no types: this module passes texts on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import contextlib
@@ -13,12 +13,12 @@ from laticauda.errors import one_of
 from laticauda.operate.drivers.base import StopInput
 from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
-LOOKS = 0.005  # time between two [s, wall clock]
+LOOKS = 0.005  # time between two looks [s, wall clock]
 LINES = ("cts", "dsr", "cd", "ri")
 
 
 class SerialLine(StopInput):
-    """A modem line; the address is PORT or PORT:LINE, such as /dev/ttyUSB1:cts, the usual line."""
+    """A modem line; the address is PORT or PORT:LINE, such as /dev/ttyUSB1:cts (the default line)."""
 
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)

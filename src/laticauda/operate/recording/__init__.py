@@ -1,1 +1,1 @@
-"""The recording of an operation: one file for everything, read again, and made a trial of."""
+"""Recording of an operation: one file for everything, how it is read, and how it is converted to a trial."""

@@ -1,6 +1,6 @@
-"""What a recording holds: entries, all but events as messages, bit for bit, and what it says of the whole operation.
+"""Content of a recording: entries, kept bit for bit as messages (except events), and the header of the operation.
 
-Only classes that come with the package, or that this process knows, are ever built from a file.
+Only classes that come with the package, or that this process knows, are ever constructed from a file.
 """
 
 import json
@@ -25,7 +25,7 @@ from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 @value
 class PowerReading:
-    """What the power meter in the supply cable says."""
+    """Reading of the power meter in the supply cable."""
 
     time: float = quantity("s", "When it was read")
     current: float = quantity("A", "Now")
@@ -40,13 +40,13 @@ class Event:
     """Something that happened, or a state that was entered."""
 
     time: float
-    """[s]."""
+    """Time of the event [s]."""
     kind: str
-    """What: `state`, `fault`, `rejected`, `operator` and so on."""
+    """Kind of event: `state`, `fault`, `rejected`, `operator` and so on."""
     message: str
-    """A sentence."""
+    """Description in one sentence."""
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    """What else belongs to it: texts and numbers by name."""
+    """Further data: texts and numbers by name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,15 +54,15 @@ class Decision:
     """What a controller decided at one control instant."""
 
     time: float
-    """Of the estimate that it decided on [s]."""
+    """Time of the estimate on which the decision is based [s]."""
     command: interfaces.Command
-    """What it decided."""
+    """Command that it decided on."""
     signals: Mapping[str, float]
-    """Its signals, by name."""
+    """Signals of the controller, by name."""
 
 
 Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReading
-"""What came in from the devices, and the references that were sent."""
+"""What was received from the devices, and the references that were sent."""
 
 
 Times: TypeAlias = Float[np.ndarray, " n_ticks"]
@@ -74,15 +74,15 @@ class Tick:
     """One tick of the loop."""
 
     due: float
-    """When it was to begin [s]."""
+    """Time at which it was due [s]."""
     began: float
-    """When it began [s]."""
+    """Time at which it began [s]."""
     sent: float
-    """When its last frame had been handed to the bus [s]."""
+    """Time at which its last frame had been handed to the bus [s]."""
 
     @property
     def time(self) -> float:
-        """When it began [s]."""
+        """Time at which it began [s]."""
         return self.began
 
 
@@ -92,35 +92,35 @@ Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick | Learned
 
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """How punctual the ticks of one operation were."""
+    """Punctuality of the ticks of one operation."""
 
     times: Float[np.ndarray, "n_ticks 3"]
-    """Of each tick when it was due, when it began, and when its last frame had been handed to the bus [s]."""
+    """For each tick, when it was due, when it began, and when its last frame had been handed to the bus [s]."""
     interval: float
-    """Between two of them, as asked for [s]."""
+    """Nominal time between two ticks [s]."""
 
     @property
     def period(self) -> Times:
-        """From the begin of a tick to that of the next [s]."""
+        """Time from the beginning of a tick to that of the next [s]."""
         return np.diff(self.times[:, 1])
 
     @property
     def lateness(self) -> Times:
-        """From when a tick was due until it began [s]."""
+        """Time from when a tick was due until it began [s]."""
         return self.times[:, 1] - self.times[:, 0]
 
     @property
     def latency(self) -> Times:
-        """From when a tick was due until its last frame was sent [s]."""
+        """Time from when a tick was due until its last frame was sent [s]."""
         return self.times[:, 2] - self.times[:, 0]
 
     @property
     def missed(self) -> int:
-        """Ticks that were not over when the next was due [-]."""
+        """Number of ticks that were not finished when the next was due [-]."""
         return int(np.count_nonzero(self.latency > self.interval))
 
     def summary(self) -> dict[str, float | int]:
-        """Median, percentiles and largest of period, lateness and latency, the ticks and the missed deadlines."""
+        """Return median, percentiles and maximum of period, lateness and latency, the ticks and missed deadlines."""
         found: dict[str, float | int] = {"ticks": len(self.times), "interval": self.interval, "missed": self.missed}
         for name in ("period", "lateness", "latency"):
             values: Times = getattr(self, name)
@@ -130,7 +130,7 @@ class Timing:
 
 
 def punctuality(timing: Mapping[str, float | int]) -> str:
-    """The summary of a `Timing` as a sentence.
+    """Return the summary of a `Timing` as a sentence.
 
     Args:
         timing: `Timing.summary`, or the `timing` of a result in JSON.
@@ -154,15 +154,15 @@ TOPICS: Mapping[str, type[Any]] = {
     "/loop/tick": Tick,
     "/learned": Learned,
 }
-"""Where entries are recorded that are messages of their own type, with the fields of their class."""
+"""Topics of the entries that are messages of their own type, with the fields of their class."""
 TOPIC_OF = {kind: topic for topic, kind in TOPICS.items()}
 _JSON = dict.fromkeys((interfaces.Command, Mapping[str, float], tuple[str, ...]), "string")
 _PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
-"""ROS types of fields by those of Python; all others are arrays."""
+"""ROS types of fields by their Python types; all others are arrays."""
 
 
 def kind_of(kind: type[Any]) -> str:
-    """The ROS type of the entries of a class."""
+    """Return the ROS type of the entries of a class."""
     return f"laticauda_msgs/{kind.__name__}"
 
 
@@ -174,7 +174,7 @@ ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
 
 
 def content_of(entry: Any) -> list[Any]:
-    """What a message of an entry holds, bit for bit: a number that is None is nan, and an array is empty."""
+    """Return the content of an entry's message, bit for bit; None becomes nan for a number, and empty for an array."""
     content, kind = list[Any](), cast("type[Any]", type(entry))
     for name, hint in hints_of(kind).items():
         value = getattr(entry, name)
@@ -188,16 +188,16 @@ def content_of(entry: Any) -> list[Any]:
 
 
 def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
-    """The entry again.
+    """Return the entry in a message.
 
     Args:
-        topic: Where it was recorded.
-        content: Of the message, by field.
+        topic: Topic of the message.
+        content: Content of the message, by field.
 
     Raises:
         KeyError: If a field is missing.
-        BadKey: If a text in it is not as it may be.
-        ValueError: If it is no such entry.
+        BadKey: If a text in it is invalid.
+        ValueError: If it is not a valid entry.
     """
     values: dict[str, Any] = {}
     for name, hint in hints_of(TOPICS[topic]).items():
@@ -216,13 +216,13 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
 
 HEADER = "operation"
 FORMAT = "4"
-"""That is read and written."""
+"""Format that is read and written."""
 Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 
 
 @value
 class Header:
-    """What a recording says about the whole operation."""
+    """Header of a recording, about the whole operation."""
 
     run: Experiment = option("what swims, in what, by which gait, if known; density and current count for figures")
     controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
@@ -233,7 +233,7 @@ class Header:
     operation: str = option("the trial file as it was read", default="")
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be written, and keep of a plant how it was made."""
+        """Reject what cannot be written, and replace a plant with how it was made."""
         instance("controller", self.controller, interfaces.Controller, type(None))
         if not (self.controller is None or is_dataclass(self.controller)):
             raise BadArgument("controller", f"must be a value, got {type(self.controller).__name__}")
@@ -242,21 +242,21 @@ class Header:
             object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
 
     def texts(self) -> dict[str, str]:
-        """The header as texts by name: runs as TOML, all else but texts as JSON."""
+        """Return the header as texts by name: runs as TOML, texts unchanged, everything else as JSON."""
         own = {name: _text(getattr(self, name), hint) for name, hint in hints_of(Header).items()}
         return {"format": FORMAT, "version": packaging.__version__, **own}
 
 
 def header_from_texts(texts: Mapping[str, str]) -> Header:
-    """The header that `Header.texts` made texts of; it equals that one. Older ones have no `learning`.
+    """Return the header that `Header.texts` converted, equal to the original. Older texts have no `learning`.
 
     Args:
-        texts: Of `FORMAT`.
+        texts: Texts in the format `FORMAT`.
 
     Raises:
-        KeyError: If one is missing.
-        BadKey: If one is not as it may be.
-        ValueError: Likewise.
+        KeyError: If a text is missing.
+        BadKey: If a text is invalid.
+        ValueError: If a text is invalid.
     """
     texts = {"learning": "null", **texts}
     return Header(**{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()})
@@ -276,7 +276,7 @@ def _value(name: str, text: str, hint: Any) -> Any:
 
 
 def _record_of(plant: Plant[Any]) -> Experiment:
-    """How a plant was made, as a recording keeps it."""
+    """Return how a plant was made, in the form that a recording keeps."""
     if isinstance(robot.law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
         raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)

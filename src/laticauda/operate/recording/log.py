@@ -1,7 +1,7 @@
-"""The file of an operation: written while it happens, read again, and once more through an estimator or a controller.
+"""Recording of an operation: written while it runs, read again, and rerun through an estimator or a controller.
 
-It is MCAP, which survives that the program is killed. What the estimator and the controller got is kept bit for bit, in
-the order in which they got it; beside it stands the same in the types that Foxglove draws by itself.
+The format is MCAP, which survives if the program is killed. What the estimator and the controller got is kept bit for
+bit, in the order in which they got it; the same data are also stored in the types that Foxglove draws by itself.
 docs/how-to/recordings.md lists the topics.
 """
 
@@ -29,23 +29,23 @@ from laticauda.operate.recording import entries
 from laticauda.operate.recording.entries import Decision, Entry, Event, Header, PowerReading, Tick, Timing
 from laticauda.spatial.frames import Frames
 
-CHUNK = 0.5  # what is lost at most when the program is killed [s]
-PICTURE = 0.04  # between two postures that viewers get [s]
+CHUNK = 0.5  # most that is lost if the program is killed [s]
+PICTURE = 0.04  # time between two postures for viewers [s]
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning", "changed": "warning"}
 NOTES = {"idle_current": "idle", "settling": "initial"}
-"""Events whose data are noted, too, and under which name."""
+"""Events whose data are also kept as notes, and the names of the notes."""
 
 
 class OperationRecorder(logs.Recorder):
-    """Writes the recording of one operation; a context manager, and any thread may write.
+    """Writer of the recording of one operation; a context manager that any thread may use.
 
-    Times are those of one clock, not negative [s].
+    All times are on one clock and not negative [s].
 
     Args:
-        path: The file; an older one is never replaced.
-        header: What is known at the start; it is on disk at once.
-        epoch: What time 0 of that clock is by the one on the wall [ns since 1970]; 0: nobody knows.
+        path: Path of the file; an existing file is never replaced.
+        header: What is known at the start; written to disk at once.
+        epoch: Wall-clock time at time 0 of that clock [ns since 1970]; 0: unknown.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
@@ -63,14 +63,14 @@ class OperationRecorder(logs.Recorder):
         self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
 
     def record(self, entry: Entry | Frame, *, received: float | None = None) -> None:
-        """What happened, in the order in which the estimator and the controller got it.
+        """Record an entry, in the order in which the estimator and the controller got it.
 
-        What came before an event is on disk after it; those of kind `start` and `stop` enclose a run. A decision comes
-        after the estimate that it was made on.
+        An event is on disk at once, with everything before it; events of kind `start` and `stop` enclose a run. A
+        decision comes after the estimate on which it is based.
 
         Args:
             entry: A sample, a reading, an estimate, a decision, a tick, an event, or a raw frame of the bus.
-            received: When a sample came; None: when it was taken [s].
+            received: Time at which a sample arrived; None: when it was taken [s].
         """
         if isinstance(entry, Event):
             content = {"message": entry.message, "data": dict(entry.data)}
@@ -83,7 +83,7 @@ class OperationRecorder(logs.Recorder):
             self._draw(time, entry)
 
     def _draw(self, time: float, entry: Entry) -> None:
-        """The same, as far as a viewer can draw it."""
+        """Record an entry in the types that a viewer can draw, if there are any."""
         match entry:
             case JointSample():
                 names = next(n for n in (self._driven, self._joints, self._yaw) if entry.angle.size == len(n))
@@ -113,17 +113,17 @@ class OperationRecorder(logs.Recorder):
                 pass
 
     def _frames(self, seen: Estimate) -> dict[str, logs.Frame]:
-        """Where the links were thought to be; their mean pitch counts for the tail."""
+        """Return the estimated frames of the links; the mean pitch is used for the tail."""
         tail = np.array([to_quaternion(turn("yaw", seen.link_angle[0]) @ turn("pitch", seen.pitch))])
         one = (values[np.newaxis] for values in (seen.joint_angle, self._fin_angle))
         found = self._bodies.moving(seen.center_of_mass[np.newaxis], tail, *one)
         return {name: (parent, place[0], angle[0]) for name, (parent, place, angle) in found.items()}
 
     def note(self, name: str, content: Mapping[str, str | float]) -> None:
-        """What was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
+        """Record what was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
 
         Args:
-            name: What it is about.
+            name: Name of the note.
             content: Numbers and texts by name.
         """
         texts = {key: value if isinstance(value, str) else repr(float(value)) for key, value in content.items()}
@@ -131,25 +131,25 @@ class OperationRecorder(logs.Recorder):
 
 
 class Sink:
-    """Keeps a record of every tick, and says by `trouble` if it cannot.
+    """Keeps a record of every tick; if it cannot, `trouble` says why.
 
     Args:
-        recorder: Open; it stays open.
-        frames: Whether the raw frames of the bus are kept, which are most of a recording.
-        learner: What learns from it meanwhile, and is recorded, too; None: nothing does.
+        recorder: Open recorder; it stays open.
+        frames: Whether to keep the raw frames of the bus, which make up most of a recording.
+        learner: Learner that learns from the entries, with its results recorded, too; None: nothing is learned.
     """
 
     trouble = ""
-    """Why nothing is recorded any more; "" as long as it is."""
+    """Why nothing is recorded any more; "" while recording works."""
 
     def __init__(self, recorder: OperationRecorder, *, frames: bool = True, learner: Learner | None = None) -> None:
         self._recorder, self._frames, self._learner = recorder, frames, learner
         self._state: Any = None if learner is None else learner.init()
         self.news = deque[Event]()
-        """What was learnt and what has changed, for whoever takes it away to show it."""
+        """Events about what was learned and what has changed; whoever shows them removes them."""
 
     def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
-        """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
+        """Record what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
         if self.trouble:
             return
         try:
@@ -164,7 +164,7 @@ class Sink:
             self.trouble = str(error) or type(error).__name__
 
     def _learn(self, learner: Learner, now: float, sample: Sample) -> None:
-        """Keep what a sample teaches; nothing depends on it, so that an error ends it, and no more."""
+        """Record what is learned from a sample; an error ends only the learning, because nothing depends on it."""
         try:
             self._state = learner.step(self._state, sample)
             learned = self._state.learned
@@ -184,26 +184,26 @@ class Sink:
 
 @dataclass(frozen=True, kw_only=True)
 class OperationLog:
-    """Everything of a recording but the raw frames of the bus."""
+    """Everything in a recording except the raw frames of the bus."""
 
     path: Path
-    """The file."""
+    """Path of the file."""
     header: Header
-    """What the recording says about the whole operation."""
+    """Header of the recording, about the whole operation."""
     version: str
-    """Of the laticauda that recorded it."""
+    """Version of the laticauda that recorded it."""
     notes: Mapping[str, Mapping[str, str]]
-    """What was found out on the way, by name."""
+    """Notes made during the operation, by name."""
     entries: tuple[Entry, ...]
-    """In the order in which they were recorded."""
+    """Entries in the order in which they were recorded."""
     lost: str
-    """What is missing from the file: a sentence; "" if nothing is."""
+    """What is missing from the file, as a sentence; "" if nothing is."""
     epoch: int = 0
-    """What its time 0 was by the clock on the wall [ns since 1970]; 0: nobody knows."""
+    """Wall-clock time at time 0 of the recording [ns since 1970]; 0: unknown."""
 
     @property
     def timing(self) -> Timing | None:
-        """How punctual the loop was; None if it had no clock."""
+        """Punctuality of the loop; None if it had no real clock."""
         ticks = self.of(Tick)
         rate = self.header.run.notes.get("rate")
         times = np.array([(tick.due, tick.began, tick.sent) for tick in ticks])
@@ -211,14 +211,14 @@ class OperationLog:
 
     @property
     def span(self) -> tuple[float, float]:
-        """When the run began and ended; without such events minus and plus infinity [s]."""
+        """Times at which the run began and ended; minus and plus infinity without such events [s]."""
         events: list[Event] = self.of(Event)
         begin = max((event.time for event in events if event.kind == "start"), default=-math.inf)
         end = min((event.time for event in events if event.kind == "stop" and event.time >= begin), default=math.inf)
         return begin, end
 
     def of(self, *kinds: type[Any]) -> list[Any]:
-        """The entries of some `kinds` of class, in their order.
+        """Return the entries of some `kinds`, in their order.
 
         Args:
             kinds: Classes of entries.
@@ -226,7 +226,7 @@ class OperationLog:
         return [entry for entry in self.entries if isinstance(entry, kinds)]
 
     def of_run(self, kind: type[Any]) -> list[Any]:
-        """Those of one `kind` from the begin of the run to its end.
+        """Return the entries of one `kind` from the beginning of the run to its end.
 
         Args:
             kind: A class of entries.
@@ -236,13 +236,13 @@ class OperationLog:
 
 
 def read_operation(path: str | Path) -> OperationLog:
-    """Read what `OperationRecorder` wrote; of a file that ends in the middle, all that is complete.
+    """Read a file written by `OperationRecorder`; if it is truncated, read all that is complete.
 
     Args:
-        path: The file.
+        path: Path of the file.
 
     Raises:
-        TrialFileError: If there is no such file, or it is no recording of an operation; the message says why.
+        TrialFileError: If the file does not exist, or is not a recording of an operation; the message says why.
         MissingExtra: If the package `mcap` is not installed.
     """
     recording = logs.open_recording(path)
@@ -258,10 +258,10 @@ def read_operation(path: str | Path) -> OperationLog:
 
 
 def header_in(recording: logs.Recording) -> Header:
-    """What a `recording` says about the whole operation.
+    """Return the header of a `recording`, about the whole operation.
 
     Raises:
-        TrialFileError: If it is no recording of an operation, or of another format.
+        TrialFileError: If it is not a recording of an operation, or has another format.
     """
     path, texts = recording.path, recording.metadata.get(entries.HEADER)
     if texts is None:
@@ -276,7 +276,7 @@ def header_in(recording: logs.Recording) -> Header:
 
 
 def entry_of(logged: logs.Logged) -> Entry:
-    """The entry that a message of a recording is; raises as `entries.entry_of`."""
+    """Return the entry in a message of a recording; raises the same errors as `entries.entry_of`."""
     content = logged.content
     if logged.topic == "/events":
         msg: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
@@ -286,21 +286,21 @@ def entry_of(logged: logs.Logged) -> Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Rerun:
-    """The commands of a controller that ran again, beside those that were recorded."""
+    """Commands of a controller that was run again, and the recorded commands."""
 
     recorded: tuple[Decision, ...]
-    """What was decided then."""
+    """Recorded decisions."""
     again: tuple[Decision, ...]
-    """What is decided now, at the same instants."""
+    """New decisions at the same instants."""
 
     @property
     def n_different(self) -> int:
-        """Instants at which the two commands are not the same, bit for bit [-]."""
+        """Number of instants at which the two commands are not the same, bit for bit [-]."""
         return sum(one.command != two.command for one, two in zip(self.recorded, self.again, strict=True))
 
     @property
     def largest_difference(self) -> float:
-        """Of the two offsets of the joints [rad]."""
+        """Largest difference between the two offsets of the joints [rad]."""
         pairs = zip(self.recorded, self.again, strict=True)
         return max((abs(one.command.offset - two.command.offset) for one, two in pairs), default=0.0)
 
@@ -308,15 +308,15 @@ class Rerun:
 def rerun_estimator(
     log: OperationLog, estimator: StateEstimator | None = None, *, plant: Callable[..., Plant[Any]] | None = None
 ) -> list[Estimate]:
-    """What an estimator makes of the recorded samples, in their order, at the times of the recorded estimates.
+    """Run an estimator on the recorded samples, in their order; estimate at the times of the recorded estimates.
 
     Args:
         log: The recording.
-        estimator: None takes the recorded one; then the estimates are the recorded ones, bit for bit.
-        plant: `laticauda.plant`, which makes a recorded estimator's digital twin again; needed only if it had one.
+        estimator: Estimator to run; None: the recorded one, whose estimates equal the recorded ones bit for bit.
+        plant: `laticauda.plant`, which rebuilds a recorded estimator's digital twin; needed only if it had one.
 
     Raises:
-        ValueError: If there is no estimator, or its twin would have to be made and `plant` was not given.
+        ValueError: If there is no estimator, or its twin has to be rebuilt and `plant` is not given.
     """
     chosen = _recorded_estimator(log, plant) if estimator is None else estimator
     state = chosen.init()
@@ -336,15 +336,15 @@ def rerun_estimator(
 def rerun_learner(
     log: OperationLog, plant: Callable[..., Plant[Any]], settings: Learning | None = None
 ) -> list[Learned]:
-    """What a twin learns from the recorded samples: of a recording with what was learnt the same, bit for bit.
+    """Return what a twin learns from the recorded samples; if that was recorded, too, the two agree bit for bit.
 
     Args:
         log: The recording.
-        plant: `laticauda.plant`, which makes the twin.
-        settings: What is learnt; None: as it was recorded, or else the usual.
+        plant: `laticauda.plant`, which builds the twin.
+        settings: What is learned; None: the recorded settings, or else the default.
 
     Raises:
-        ValueError: If nothing can be learnt of such a robot.
+        ValueError: If nothing can be learned about such a robot.
     """
     run, mount = log.header.run, getattr(log.header.estimator, "mount", Mount())
     twin = plant(run.robot, run.environment, joints="servo")
@@ -359,12 +359,12 @@ def rerun_learner(
 def rerun_controller(
     log: OperationLog, controller: interfaces.Controller[Any] | None = None, estimates: list[Estimate] | None = None
 ) -> Rerun:
-    """What a controller decides on the recorded estimates, at the recorded control instants of the run.
+    """Run a controller on the recorded estimates, at the recorded control instants of the run.
 
     Args:
         log: The recording.
-        controller: None takes the recorded one; then the commands are the recorded ones, bit for bit.
-        estimates: Others than the recorded ones.
+        controller: Controller to run; None: the recorded one, whose commands equal the recorded ones bit for bit.
+        estimates: Estimates to use instead of the recorded ones.
 
     Raises:
         ValueError: If there is no controller, or an instant has no estimate.
@@ -385,7 +385,7 @@ def rerun_controller(
 
 
 def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | None) -> StateEstimator:
-    """The one of the recording, with its digital twin."""
+    """Return the recorded estimator, with its digital twin."""
     estimator, twin = log.header.estimator, log.header.twin
     if estimator is None:
         raise BadArgument("estimator", "must be given: the recording holds none, got None")

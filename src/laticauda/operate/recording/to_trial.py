@@ -1,4 +1,4 @@
-"""The run of a recording as a trial, with (5) and (4)."""
+"""Conversion of the run in a recording to a trial, with (5) and (4)."""
 
 import datetime
 import itertools
@@ -20,22 +20,22 @@ from laticauda.series import SERIES
 from laticauda.trial import Trial, metrics
 
 OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time")
-"""What a trial has of every estimate as it is."""
+"""Fields of the estimates that a trial takes over unchanged."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
 Own = Callable[[Robot, str, Column], Column]
-"""The joints that a trial has, of all."""
+"""Selects the joints that a trial has from all joints."""
 
 
 def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
-    """The estimates of the run: from the last `start` to the `stop` behind it, or to the end; without a start all.
+    """Return the estimates of the run: from the last `start` to the `stop` after it, or the end; without a start, all.
 
     Args:
         log: The recording.
-        estimates: Others than the recorded ones.
+        estimates: Estimates to use instead of the recorded ones.
 
     Raises:
-        TrialFileError: If there are fewer than two.
+        TrialFileError: If there are fewer than two estimates.
     """
     begin, end = log.span
     found = log.of(Estimate) if estimates is None else estimates
@@ -50,18 +50,18 @@ def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[E
 
 
 def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Trial:
-    """The run of a recording as a trial.
+    """Convert the run in a recording to a trial.
 
     Positions, velocities, heading and joint angles are the estimator's; the references are those in force; torques are
-    the modules' own, if they report them; the electrical work is the power meter's, (4): V times the current above
-    the one at rest. It was made when the run began, as far as the recording says by the clock on the wall.
+    the modules' own, if they report them; the electrical work is from the power meter, (4): V times the current above
+    that at rest. The trial's creation time is the wall-clock time at which the run began, if the recording gives it.
 
     Args:
         log: The recording.
-        estimates: Others than the recorded ones, of `rerun_estimator` for instance.
+        estimates: Estimates to use instead of the recorded ones, for instance those of `rerun_estimator`.
 
     Raises:
-        TrialFileError: If it holds no run.
+        TrialFileError: If the recording holds no run.
     """
     run = run_of(log, estimates)
     time = np.array([estimate.time for estimate in run])
@@ -95,18 +95,18 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
 
 
 def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Mapping[str, float | str]]:
-    """Electrical work above idle at some times [J], and how it was made; None without at least two readings.
+    """Return the electrical work above idle at some times [J], and its parameters; None without at least two readings.
 
-    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average where it keeps one (it is that
-    average times the time of its record, so nothing between two readings is missed), else from its readings. Its slope
-    over a run is (4): P = V I_avg - V I_0. V is the one of the recording.
+    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average if it keeps one (Q is that average
+    times the duration of its record, so nothing between two readings is missed), else from its readings. The slope of W
+    over a run is (4): P = V I_avg - V I_0. V is taken from the recording.
 
     Args:
         log: The recording.
-        time: When [s].
+        time: Times at which the work is wanted [s].
 
     Raises:
-        TrialFileError: If it holds readings and does not say the supply's voltage.
+        TrialFileError: If the recording holds readings but not the supply voltage.
     """
     readings: list[PowerReading] = log.of(PowerReading)
     if len(readings) < 2:
@@ -129,7 +129,7 @@ def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Map
 
 
 def idle_current(log: OperationLog, supply_voltage: float) -> float:
-    """I_0: as it was noted before the run, or what the robot draws at rest by its file, at a `supply_voltage` [A]."""
+    """Return I_0 as noted before the run, or else from the idle power in the robot's file, at `supply_voltage` [A]."""
     noted = log.notes.get("idle", {}).get("current")
     if noted is not None:
         return not_negative("idle current", float(noted), "A")
@@ -140,7 +140,7 @@ def idle_current(log: OperationLog, supply_voltage: float) -> float:
 
 
 def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
-    """Charge between two readings of a meter that averages since `since` [A s]; None if that does not say."""
+    """Return the charge between two readings of a meter that averages from `since` on [A s]; None if not known."""
     if one.average is None or two.average is None or one.since is None or one.since != two.since:
         return None
     return two.average * (two.time - one.since) - one.average * (one.time - one.since)
@@ -151,7 +151,7 @@ def _all_joints(robot: Robot, name: str, values: Column) -> Column:
 
 
 def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
-    """Torques of those joints at some times, straight between samples but for what is nan; None if not reported."""
+    """Return the torques of those joints at some times, interpolated linearly, ignoring nan; None if not reported."""
     samples = sorted((one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time)
     if not samples:
         return None
@@ -161,7 +161,7 @@ def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
 
 
 def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
-    """What a driven fin did at some times, as its module says, and its reference: signals as of a simulated one."""
+    """Return the motion of a driven fin at some times and its reference, as the signals of a simulated fin."""
     n, found = log.header.run.robot.n_joints, dict[str, Column]()
     samples = sorted((one for one in log.of(JointSample) if np.isfinite(one.angle[n:]).any()), key=lambda one: one.time)
     for name, signal in (("angle", "fin_angle_0"), ("rate", "fin_rate_0"), ("torque", "fin_torque")):
@@ -175,20 +175,20 @@ def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
 
 
 def _references(log: OperationLog, time: Column, own: Own) -> Table | None:
-    """What was in force at some times; None if none was sent."""
+    """Return the references in force at some times; None if none were sent."""
     samples: list[ReferenceSample] = log.of(ReferenceSample)
     return _in_force(samples, time, lambda angle: own(log.header.run.robot, "angle", angle)) if samples else None
 
 
 def _in_force(samples: list[ReferenceSample], time: Column, some: Callable[[Column], Column]) -> Table:
-    """Some of the references that were in force at some times; before the first one, straight."""
+    """Return some of the references in force at some times; straight before the first one."""
     table = np.stack([some(sample.angle) for sample in samples])
     held = np.searchsorted([sample.time for sample in samples], time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
 
 
 def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, Column]:
-    """The controller's signals, held between control instants, and the estimator's standard deviations."""
+    """Return the controller's signals, held between control instants, and the estimator's standard deviations."""
     pitch = ("pitch",) if run[0].center_of_mass.size == 3 else ()
     names = "age", "center_of_mass_std", "heading_std", *pitch
     found = {name: np.array([getattr(estimate, name) for estimate in run]) for name in names}

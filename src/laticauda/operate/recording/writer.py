@@ -1,7 +1,7 @@
-"""A recording that a program of its own writes, so that neither the disk nor the encoding makes the loop late.
+"""Recording in a separate program, so that neither the disk nor the encoding makes the loop late.
 
-The loop puts what it has into a pipe, as far as there is room, and never waits. The program writes until its input
-ends: also when that of the loop was killed.
+The loop puts its data into a pipe, as far as there is room, and never waits. The program writes until its input ends,
+even if the loop's program was killed.
 """
 
 import os
@@ -22,34 +22,34 @@ from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording.entries import Entry, Event, Header
 from laticauda.operate.recording.log import OperationRecorder, Sink
 
-MOST_WAITING = 1 << 26  # bytes that the pipe did not take yet; beyond them, the disk does not keep up
+MOST_WAITING = 1 << 26  # bytes that the pipe has not yet taken; beyond this, the disk does not keep up
 
 
 class Writer(AbstractContextManager["Writer"]):
-    """Keeps a record of every tick, as `Sink` does, in a program of its own; a context manager.
+    """Keeps a record of every tick, as `Sink` does, but in a separate program; a context manager.
 
     Args:
-        path: The file; an older one is never replaced.
-        header: What is known at the start; it is on disk at once.
-        frames: Whether the raw frames of the bus are kept.
-        learner: What learns from it meanwhile, in that program, too; None: nothing does.
-        epoch: What time 0 of that clock is by the one on the wall [ns since 1970]; 0: nobody knows.
+        path: Path of the file; an existing file is never replaced.
+        header: What is known at the start; written to disk at once.
+        frames: Whether to keep the raw frames of the bus.
+        learner: Learner that learns from the entries, also in that program; None: nothing is learned.
+        epoch: Wall-clock time at time 0 of the operation's clock [ns since 1970]; 0: unknown.
 
     Raises:
         StorageFailed: If the file exists, or cannot be written.
     """
 
     trouble = ""
-    """Why nothing is recorded any more; "" as long as it is."""
+    """Why nothing is recorded any more; "" while recording works."""
 
     def __init__(
         self, path: Path, header: Header, *, frames: bool = True, learner: Learner | None = None, epoch: int = 0
     ) -> None:
         self.news = deque[Event]()
-        """See `Sink`."""
+        """Events about what was learned and what has changed, as in `Sink`."""
         code = f"from {__name__} import main; main()"
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        # In a session of its own: Ctrl-C is for the operator, and this goes on until there is nothing more to write.
+        # In a separate session: Ctrl-C is for the operator, and this goes on until there is nothing more to write.
         self._process: Any = subprocess.Popen([sys.executable, "-P", "-c", code], start_new_session=True, **pipes)
         self._pipe, self._waiting = self._process.stdin.fileno(), bytearray()
         self._listener = threading.Thread(target=self._listen, name="recording", daemon=True)
@@ -62,14 +62,14 @@ class Writer(AbstractContextManager["Writer"]):
         self._listener.start()
 
     def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
-        """Keep what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
+        """Record what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
         if len(self._waiting) > MOST_WAITING:
             self.trouble = self.trouble or "the disk does not keep up with the recording"
         if not self.trouble:
             self._send((now, found))
 
     def close(self) -> None:
-        """Have everything written, and wait for it."""
+        """Have everything written, and wait until it is done."""
         os.set_blocking(self._pipe, True)
         while self._waiting and self._process.poll() is None:
             self._pass_on()
@@ -100,12 +100,12 @@ class Writer(AbstractContextManager["Writer"]):
                 self.news.extend(said)
 
     def __exit__(self, *_: object) -> None:
-        """Close it."""
+        """Close the recording."""
         self.close()
 
 
 def main() -> None:
-    """What that program does: what `Writer` is given comes first, then tick after tick."""
+    """Run the separate program: read the arguments of `Writer` first, then tick after tick."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = sys.stdin.buffer
     path, header, frames, learner, epoch = cast("tuple[Path, Header, bool, Learner | None, int]", pickle.load(given))
@@ -134,7 +134,7 @@ def _say(what: object) -> None:
 
 
 def _heard(stream: Any) -> Any:
-    """What the other program said next; None if it has ended, or was killed in the midst of it."""
+    """Return the next object that the other program sent; None if it has ended, or was killed while sending."""
     try:
         return pickle.load(stream)
     except (EOFError, pickle.UnpicklingError):

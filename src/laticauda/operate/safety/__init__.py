@@ -1,1 +1,1 @@
-"""What keeps robot and people safe: what the modules say, the limits, the rules, and the supervisor."""
+"""Safety of the robot and of people: reports of the modules, limits, rules, and the supervisor."""

@@ -1,4 +1,4 @@
-"""What the operator knows about the joint modules, and what is wrong now: events of the supervisor's table.
+"""What is known about the joint modules, and what is wrong now, as events of the supervisor's table.
 
 Both are values with a pure step.
 """
@@ -14,31 +14,31 @@ from laticauda.operate.settings import Limits
 from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 
 Numbers = Float[np.ndarray, " n_joints"]
-MEASURED = ("angle", "rate", "current", "torque")  # by a module, of its joint
+MEASURED = ("angle", "rate", "current", "torque")  # quantities that a module measures at its joint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Modules:
-    """The modules, tail first: entry k is CAN node k + 1. What has not been heard is nan or None."""
+    """State of the modules, tail first: entry k is CAN node k + 1. Unknown values are nan or None."""
 
     angle: Numbers
-    """phi [rad]."""
+    """Joint angles phi [rad]."""
     rate: Numbers
-    """phi' [rad/s]."""
+    """Joint rates phi' [rad/s]."""
     current: Numbers
-    """Of the motor [A]."""
+    """Motor currents [A]."""
     torque: Numbers
-    """[N m]."""
+    """Joint torques [N m]."""
     angle_time: Numbers
-    """When the angle came [s]."""
+    """Times at which the angles arrived [s]."""
     heartbeat: tuple[Heartbeat | None, ...]
-    """The last one of each."""
+    """Last heartbeat of each module."""
     heartbeat_time: Numbers
-    """When it came; minus infinity before the first [s]."""
+    """Times at which they arrived; minus infinity before the first [s]."""
 
     @property
     def n(self) -> int:
-        """How many there are [-]."""
+        """Number of modules [-]."""
         return len(self.heartbeat)
 
     @property
@@ -47,11 +47,11 @@ class Modules:
         return None not in self.heartbeat and bool(np.isfinite(self.angle).all())
 
     def is_limp(self, now: float, timeout: float) -> bool:
-        """Whether every module that is heard says that its motor is off.
+        """Return whether every module that is heard reports that its motor is off.
 
         Args:
-            now: [s].
-            timeout: A heartbeat that is older does not count [s].
+            now: Current time [s].
+            timeout: Age beyond which a heartbeat does not count [s].
         """
         return not any(
             beat is not None and beat.state.is_on and now - time <= timeout
@@ -59,35 +59,35 @@ class Modules:
         )
 
     def all_active(self) -> bool:
-        """Whether every module follows its references."""
+        """Return whether every module follows its references."""
         return all(beat is not None and beat.state.is_on for beat in self.heartbeat)
 
     def silent(self, now: float, timeout: float) -> tuple[int, ...]:
-        """The nodes that have sent no heartbeat for longer than `timeout`.
+        """Return the nodes that have sent no heartbeat for longer than `timeout`.
 
         Args:
-            now: [s].
-            timeout: [s].
+            now: Current time [s].
+            timeout: Longest time between heartbeats [s].
         """
         return tuple(int(k) + 1 for k in np.flatnonzero(now - self.heartbeat_time > timeout))
 
 
 def no_reports(n: int) -> Modules:
-    """Before any message.
+    """Return the state of the modules before any message.
 
     Args:
-        n: How many modules there are.
+        n: Number of modules.
     """
     unknown, never = dict.fromkeys(MEASURED, np.full(n, np.nan)), np.full(n, -math.inf)
     return Modules(**unknown, angle_time=never, heartbeat=(None,) * n, heartbeat_time=never)
 
 
 def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> Modules:
-    """What is known after some more messages.
+    """Return the state of the modules after some more messages.
 
     Args:
-        modules: Before.
-        messages: When each came [s], and what; those of nodes that the robot does not have are ignored.
+        modules: State before.
+        messages: Arrival time [s] and content of each; those of nodes that the robot does not have are ignored.
     """
     n = modules.n
     values = {name: getattr(modules, name).copy() for name in (*MEASURED, "angle_time")}
@@ -105,12 +105,12 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
 
 
 def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) -> tuple[str, ...]:
-    """What speaks against starting, module by module, in sentences that say what to look at.
+    """Return the reasons not to start, module by module, as sentences that say what to check.
 
     Args:
-        modules: All of which have been heard.
-        max_temperature: [degC].
-        min_voltage: [V].
+        modules: The modules.
+        max_temperature: Highest allowed temperature [degC].
+        min_voltage: Lowest allowed voltage [V].
     """
     found: list[str] = []
     for node, beat in enumerate(modules.heartbeat, start=1):
@@ -129,61 +129,61 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
     return tuple(found)
 
 
-SPIN_UP = 1.0  # what modules may take to follow references after the first ones [s]
+SPIN_UP = 1.0  # time within which modules must follow references after the first ones [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LimitState:
-    """Since when something has been beyond its limit without a break; infinite: it is not."""
+    """Times since which values have exceeded their limits without a break; infinite: they do not."""
 
     current: Numbers
     """Motor currents, by joint [s]."""
     joint_error: Numbers
     """Joint errors, by joint [s]."""
     sending: float = math.inf
-    """Since when references have been sent [s]."""
+    """Time since which references have been sent [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reports:
-    """What the devices say at one tick."""
+    """What the devices report at one tick."""
 
     now: float
-    """[s]."""
+    """Current time [s]."""
     lateness: float
-    """By how much this tick came too late [s]."""
+    """Lateness of this tick [s]."""
     modules: Modules
-    """The modules."""
+    """State of the modules."""
     references: Numbers | None
-    """Those of the last tick; None if none were sent [rad]."""
+    """References of the last tick; None if none were sent [rad]."""
     mocap_age: float
-    """Time since the cameras saw the robot last [s]."""
+    """Time since the cameras last saw the robot [s]."""
     meter_age: float | None
-    """Time since the meter was read last; None without a meter [s]."""
+    """Time since the meter was last read; None without a meter [s]."""
     room: float
-    """Distance to the edge that the robot swims to [m]."""
+    """Distance to the edge that the robot swims toward [m]."""
 
 
 def within_limits(n_joints: int) -> LimitState:
-    """Nothing is wrong yet.
+    """Return the initial state, in which nothing is wrong yet.
 
     Args:
-        n_joints: Of the robot, all axes.
+        n_joints: Number of the driven joints.
     """
     never = np.full(n_joints, np.inf)
     return LimitState(current=never, joint_error=never)
 
 
 def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitState, dict[str, str]]:
-    """Compare what the devices say with the limits, once a tick.
+    """Compare what the devices report with the limits, once per tick.
 
     Args:
-        limits: What is accepted.
-        state: As the last call returned it, or `within_limits`.
-        reports: What the devices say.
+        limits: Limits of what is accepted.
+        state: State returned by the last call, or by `within_limits`.
+        reports: What the devices report.
 
     Returns:
-        The state now, and what is wrong: events of the supervisor's table with a sentence each.
+        The new state, and what is wrong: events of the supervisor's table, each with a sentence.
     """
     now, modules = reports.now, reports.modules
     is_high = np.abs(modules.current) > limits.max_current
@@ -196,7 +196,7 @@ def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitS
         joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
         sending=sending,
     )
-    # What a module says of itself tells more than what it does.
+    # What a module reports about itself says more than what it does.
     found = {**_of_motors(after, reports, limits), **_of_modules(modules, limits, now)}
     if reports.lateness > limits.max_lateness:
         found["late_loop"] = f"a tick came {reports.lateness:.3f} s late"
@@ -211,7 +211,7 @@ def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitS
 
 
 def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
-    """What the heartbeats say, and those that stay away."""
+    """Return what the heartbeats report, and which are missing."""
     found: dict[str, str] = {}
     late = {
         "lost_heartbeat": modules.silent(now, limits.heartbeat_timeout),
@@ -232,19 +232,19 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
         if beat.voltage > limits.max_voltage:
             found.setdefault("high_voltage", f"module {node}: {beat.voltage:.1f} V")
         if beat.state == NodeState.FAULT:
-            faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
+            faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # sent by us, or known already
             if faults:
                 found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
     return found
 
 
 def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str, str]:
-    """What lasts: currents, errors, and modules that do not follow."""
+    """Return what has lasted too long: currents, errors, and modules that do not follow."""
     found: dict[str, str] = {}
     for k in np.flatnonzero(reports.now - state.current > limits.current_time):
         found.setdefault("over_current", f"module {k + 1}: {reports.modules.current[k]:.1f} A")
     for k in np.flatnonzero(reports.now - state.joint_error > limits.joint_error_time):
-        assert reports.references is not None  # only then is there an error
+        assert reports.references is not None  # otherwise there is no error
         error = math.degrees(reports.references[k] - reports.modules.angle[k])
         found.setdefault("joint_error", f"module {k + 1}: {error:+.0f} deg")
     if reports.now - state.sending > SPIN_UP:

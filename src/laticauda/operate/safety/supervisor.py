@@ -1,20 +1,20 @@
-"""The safety supervisor: the tables that an operation keeps to, and the step that keeps to them.
+"""The safety supervisor: the tables that an operation obeys, and the step that applies them.
 
-The tables, which the documentation prints, say what leads where, and what is done when. The supervisor's state says
-whether the joints may move, the phase says what for:
+The tables, which the documentation shows, define all transitions, and the action for each event. The supervisor's state
+says whether the joints may move; the phase says for what purpose:
 
     idle      the robot is limp; no reference is sent
     ready     the joints are held straight
     running   the joints follow the controller
     stopping  the robot is being straightened, and then made limp
-    fault     limp, and it stays so until somebody acknowledges and nothing is wrong any more
+    fault     the robot is limp until somebody acknowledges and nothing is wrong any more
 
-The supervisor says which event leads to which action, within which time, and what is remembered of it. It is a value
-and a pure step: no clock, no bus, no threads. Every tick it gets the time, everything that is wrong at that moment, and
-what the robot reports; it answers with the state that follows.
+The supervisor determines which event leads to which action, within what time, and what is remembered of it. It is a
+value with a pure step: no clock, no bus, no threads. At every tick it gets the time, everything that is wrong at that
+moment, and what the robot reports; it returns the next state.
 
 The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go limp after
-`LIMP_AFTER`. So to stop sending references is a way to stop that needs no bus, and every time stated here rests on it.
+`LIMP_AFTER`. Not sending references is thus a way to stop that needs no bus; every time stated here relies on it.
 """
 
 from collections.abc import Set
@@ -28,69 +28,69 @@ from laticauda.quantities import quantity, value
 
 
 def _table(name: str) -> list[dict[str, str]]:
-    """The rows of one of the two tables beside this file; they are read with it."""
+    """Return the rows of one of the two tables next to this file; they are read when it is imported."""
     return [row for _, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]]
 
 
-# ---- what leads where -----------------------------------------------------------------------------------------------
+# ---- transitions ----------------------------------------------------------------------------------------------------
 
 STATES = ("idle", "ready", "running", "stopping", "fault")
 PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
 PHASES = (*PREPARATIONS, "running", "stopping", "done")
 REQUESTS = ("checked", "started", "ended", "acknowledged")
-"""Events by which the operation asks the supervisor for another state; all others it finds out by itself."""
+"""Events by which the operation requests another state of the supervisor; all others are detected, not requested."""
 
 
 class Transition(NamedTuple):
-    """One row."""
+    """One row of the table of transitions."""
 
     phase: str
-    """Before; one of `PHASES`."""
+    """Phase before; one of `PHASES`."""
     state: str
-    """Of the supervisor, before; one of `STATES`."""
+    """State of the supervisor before; one of `STATES`."""
     event: str
     """What happens."""
     next_phase: str
-    """After it."""
+    """Phase after the event."""
     next_state: str
-    """After it."""
+    """State of the supervisor after the event."""
 
 
 TRANSITIONS: tuple[Transition, ...] = tuple(Transition(**row) for row in _table("transitions"))
-"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: one that has to be
-acknowledged. `settled`: the modules say that they are limp, or have had the time for it."""
+"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: a rule that must be
+acknowledged. `settled`: the modules report that they are limp, or have had enough time to become limp."""
 
 
 # ---- what goes wrong ------------------------------------------------------------------------------------------------
 
 ACTIONS = ("none", "finish", "straighten", "limp", "emergency_stop")
-"""Each is graver than the one before it."""
+"""Actions, each more severe than the one before it."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    """What one event leads to."""
+    """Rule that says what one event leads to."""
 
     event: str
-    """Its name."""
+    """Name of the event."""
     says: str
     """What happened, in words."""
     action: str
-    """One of `ACTIONS`."""
+    """Action; one of `ACTIONS`."""
     is_fault: bool = True
     """Whether somebody has to acknowledge it before the robot moves again."""
 
 
 RULES: tuple[Rule, ...] = tuple(Rule(is_fault=row.pop("then") == "fault", **row) for row in _table("rules"))
-"""The gravest come first."""
+"""Rules, the most severe first."""
 BY_EVENT = {rule.event: rule for rule in RULES}
 
 
 def cause_of(event: str) -> str:
-    """What happened, in words; the event itself if there is no rule for it.
+    """Return what happened, in words; the event itself if there is no rule for it.
 
     Args:
-        event: Of `RULES`, or another one.
+        event: Name of an event of `RULES`, or another one.
     """
     return BY_EVENT[event].says if event in BY_EVENT else event
 
@@ -103,32 +103,32 @@ _GRANTED = {(row.state, row.event): row.next_state for row in TRANSITIONS if row
 
 
 def phase_after(phase: str, event: str) -> str:
-    """The phase that follows an event which the operation finds by itself.
+    """Return the phase that follows an event that the operation itself detects.
 
     Args:
-        phase: Before.
-        event: One that the table has for this phase.
+        phase: Phase before.
+        event: Event that the table has for this phase.
     """
     return _NEXT_PHASE[phase, event]
 
 
 def phase_with(phase: str, state: str, next_state: str) -> str:
-    """The phase that follows when the supervisor changes its state; whatever else, its stop stops the operation.
+    """Return the phase after a change of the supervisor's state; a stop always stops the operation.
 
     Args:
-        phase: Before.
-        state: Of the supervisor, before.
-        next_state: After.
+        phase: Phase before.
+        state: State of the supervisor before.
+        next_state: State of the supervisor after.
     """
     otherwise = "stopping" if next_state in ("stopping", "fault") else phase
     return _BY_STATES.get((phase, state, next_state), otherwise)
 
 
 def granted(state: str, request: str) -> str:
-    """The supervisor's state after a request; the same if the table does not have it there.
+    """Return the supervisor's state after a request; unchanged if the table does not have the request in this state.
 
     Args:
-        state: Before.
+        state: State before.
         request: One of `REQUESTS`.
     """
     return _GRANTED.get((state, request), state)
@@ -136,53 +136,53 @@ def granted(state: str, request: str) -> str:
 
 # ---- the step -------------------------------------------------------------------------------------------------------
 
-HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # what a module does by itself without references [s]
-CONFIRM_TIME = 0.5  # modules that do not report that they are limp by then get an emergency stop [s]
-MARGIN = 0.3  # for ticks and frames on their way [s]
+HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # when a module holds and goes limp by itself without references [s]
+CONFIRM_TIME = 0.5  # modules that have not reported that they are limp by then get an emergency stop [s]
+MARGIN = 0.3  # for ticks, and for frames in transit [s]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SupervisorState:
-    """Where the supervisor stands."""
+    """State of the supervisor."""
 
     state: str = "idle"
     """One of `STATES`."""
     action: str = "none"
-    """What is being done about the gravest event, one of `ACTIONS`."""
+    """Current action on the most severe event, one of `ACTIONS`."""
     cause: str = ""
-    """The event that led here; "" in the normal course."""
+    """Event that led to this state; "" in normal operation."""
     is_fault: bool = False
-    """Whether what is being done ends in the state fault."""
+    """Whether the current action ends in the state fault."""
     since: float = 0.0
     """When the action began [s]."""
     present: frozenset[str] = frozenset()
-    """Events that were there at the last step, to log each once."""
+    """Events that were present at the last step, so that each is logged once."""
 
     @property
     def sends_references(self) -> bool:
-        """Whether references are sent; without, the modules go limp by themselves."""
+        """Whether references are sent; without them, the modules go limp by themselves."""
         return self.state in ("ready", "running") or (self.state == "stopping" and self.action == "straighten")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reaction:
-    """What the supervisor did about an event, or on its way to a stop."""
+    """Reaction of the supervisor to an event, or on its way to a stop."""
 
     time: float
-    """[s]."""
+    """Time of the reaction [s]."""
     event: str
     """What happened."""
     action: str
-    """What is done about it from now on."""
+    """Action from now on."""
     before: str
-    """The state before it."""
+    """State before the event."""
     after: str
-    """The state after it."""
+    """State after the event."""
 
 
 @value
 class Supervisor:
-    """Watches over a robot; its state is a `SupervisorState`.
+    """Safety supervisor of a robot; its state is a `SupervisorState`.
 
     Example:
         >>> supervisor = Supervisor()
@@ -194,39 +194,39 @@ class Supervisor:
     straighten_time: float = quantity("s", "how long it may straighten before it is made limp", gt=0.0, default=2.0)
 
     def within(self, action: str) -> float:
-        """The stated time from an event to a robot that is limp, whatever is lost on the way [s].
+        """Return the stated time from an event until the robot is limp, even if every frame is lost [s].
 
         Args:
-            action: One of `ACTIONS`; infinite for those that stop nothing.
+            action: One of `ACTIONS`; the time is infinite for those that stop nothing.
         """
         by_itself = LIMP_AFTER + MARGIN
         times = {"straighten": self.straighten_time + by_itself, "limp": by_itself, "emergency_stop": by_itself}
         return times.get(action, float("inf"))
 
     def init(self) -> SupervisorState:
-        """Idle."""
+        """Return the initial state: idle."""
         return SupervisorState()
 
     def step(
         self, state: SupervisorState, now: float, events: Set[str], *, is_straight: bool, is_limp: bool
     ) -> tuple[SupervisorState, tuple[Reaction, ...]]:
-        """One tick.
+        """Perform one tick.
 
         Args:
-            state: As the last call returned it, or `init`.
-            now: [s].
-            events: Everything that is wrong now, by the names of `RULES`, and the `REQUESTS`.
+            state: State returned by the last call, or by `init`.
+            now: Current time [s].
+            events: Everything that is wrong now, as event names of `RULES`, and the `REQUESTS`.
             is_straight: Whether every joint that reports is at zero.
             is_limp: Whether every module that is heard reports that it is limp.
 
         Returns:
-            The state now, and what is to be logged: every event once, when it begins, and every change of state.
+            The new state, and what is to be logged: every event once, when it begins, and every change of state.
 
         Raises:
-            ValueError: If there is no such event.
+            ValueError: If an event is unknown.
         """
         entries: list[Reaction] = []
-        wrong = [rule for rule in RULES if rule.event in events]  # the gravest come first
+        wrong = [rule for rule in RULES if rule.event in events]  # the most severe first
         _check(events)
         for rule in wrong:
             after = _reacted(state, rule, now)
@@ -246,7 +246,7 @@ class Supervisor:
         return replace(after, present=frozenset(rule.event for rule in wrong)), tuple(entries)
 
     def _progress(self, state: SupervisorState, now: float, is_straight: bool, is_limp: bool) -> SupervisorState:
-        """From straightening to limp, and from limp to idle or fault."""
+        """Go on from straightening to limp, and from limp to idle or fault."""
         if state.state != "stopping":
             return state
         gone = now - state.since
@@ -261,7 +261,7 @@ class Supervisor:
 
 
 def _requested(state: SupervisorState, request: str, now: float, is_wrong: bool, is_limp: bool) -> SupervisorState:
-    """What the operation asks for, if it may have it; the way to a stop is always free."""
+    """Return the state that the operation requests, if it is allowed; a request to stop always is."""
     after = granted(state.state, request)
     allowed = request == "ended" or (not is_wrong and (request != "acknowledged" or is_limp))
     if after == state.state or not allowed:
@@ -270,7 +270,7 @@ def _requested(state: SupervisorState, request: str, now: float, is_wrong: bool,
 
 
 def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
-    """The state with the action of a rule, if it is graver than what is being done already."""
+    """Return the state with the action of a rule, if that is more severe than the current action."""
     is_graver = ACTIONS.index(rule.action) > ACTIONS.index(state.action)
     if rule.action == "finish" or (state.state == "idle" and not rule.is_fault):
         return state  # nothing moves that would have to stop
@@ -279,7 +279,7 @@ def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
     if state.state == "stopping" and not is_graver:
         return replace(state, is_fault=state.is_fault or rule.is_fault, cause=state.cause or rule.event)
     return SupervisorState(
-        # What is limp already is a fault at once, and has nothing to straighten.
+        # A robot that is already limp enters the fault state at once, and need not straighten.
         state="fault" if state.state == "idle" else "stopping",
         action="limp" if state.state == "idle" and rule.action == "straighten" else rule.action,
         cause=rule.event,

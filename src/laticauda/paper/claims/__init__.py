@@ -1,4 +1,4 @@
-"""The paper's claims, judged by what the studies found, and what the paper prints that cannot be."""
+"""The paper's claims, judged by the results of the studies, and the paper's misprints and contradictions."""
 
 from laticauda.paper.claims.judge import Claim, Misprint, Verdict, claims, misprints
 

@@ -1,6 +1,6 @@
-"""All claims of the paper, judged by the studies that there are: one rule for all, over the table `claims.toml`.
+"""All claims of the paper, judged by the available studies: one rule for all claims in the table `claims.toml`.
 
-And what the paper prints that cannot be: misprints, and places where it contradicts itself.
+Also the paper's misprints, and places where it contradicts itself.
 """
 
 import math
@@ -25,7 +25,7 @@ STUDIES: Mapping[str, tuple[type[runs.Study[Any]], str]] = {
     "following": (path_following.PathFollowingStudy, "the path-following study"),
     "side": (side_trials.SideTrials, "the side trials"),
 }
-"""What the table of claims needs, by its name there."""
+"""Studies that the table of claims needs, by their names there."""
 
 RULES: Mapping[str, Callable[[Any, Any], Any]] = {
     "at_most": lambda values, limit: np.all(values <= limit),
@@ -38,36 +38,35 @@ RULES: Mapping[str, Callable[[Any, Any], Any]] = {
     "median_at_least": lambda values, limit: np.median(values) >= limit,
     "spans": lambda values, ends: np.allclose([values.min(), values.max()], ends, rtol=0.0, atol=measured.PRINTED_TO),
 }
-"""How numbers meet a part of a rule; all of them must, unless the name says otherwise."""
+"""Conditions on the numbers of a part of a rule; all numbers must meet them, unless the name says otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """One statement of the paper, and what became of it."""
+    """One statement of the paper, and the verdict on it."""
 
     key: str
-    """Short and unique, for references."""
+    """Short, unique key for references."""
     theme: str
-    """What it is about, in a word or two."""
+    """Subject, in a word or two."""
     where: str
-    """The section of the paper, and its table or figure."""
+    """Section of the paper, and its table or figure."""
     paper: str
-    """What the paper says, in our words with its numbers."""
+    """What the paper says, in our words and with its numbers."""
     found: str
-    """The numbers that bear on it, from the paper's tables and from the simulation, with the joint law."""
+    """Numbers relevant to it, from the paper's tables and from the simulation, with the joint law."""
     rule: str
-    """When it counts as holding; of several parts all must be met, and in part means that some are."""
+    """Condition for it to hold; all parts must be met, and it holds in part if only some are."""
     verdict: Verdict
-    """What follows from the rule and the numbers."""
+    """Verdict that follows from the rule and the numbers."""
 
 
 def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
-    """What the paper's results, remarks and conclusions claim, and what the studies say to it.
+    """Return the claims of the paper's results, remarks and conclusions, judged by the studies.
 
     Args:
-        studies: What `run_efficiency`, `run_path_following` and `run_side_trials` returned, with the paper's settings:
-            all its groups, cases and sweeps. Claims about those that are missing are not tested; others say nothing to
-            any claim.
+        studies: Results of `run_efficiency`, `run_path_following` and `run_side_trials` with the paper's settings: all
+            its groups, cases and sweeps. Claims about missing studies are not tested; other studies are ignored.
     """
     given = {name: study for study in studies for name, (kind, _) in STUDIES.items() if isinstance(study, kind)}
     known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots(), "models": quantities.MODELS}
@@ -80,10 +79,10 @@ def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
 
 
 def verdict(*parts: bool) -> Verdict:
-    """The verdict on a claim of these parts: all must be met; one without parts is not tested.
+    """Return the verdict on a claim with these parts: all must be met; a claim without parts is not tested.
 
     Args:
-        parts: Whether each is met.
+        parts: Whether each part is met.
     """
     if not parts:
         return "not tested here"
@@ -92,7 +91,7 @@ def verdict(*parts: bool) -> Verdict:
 
 @cache
 def table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
-    """The content of `claims.toml`; texts have single spaces."""
+    """Return the content of `claims.toml`; white space in texts is reduced to single spaces."""
 
     def flat(value: Any) -> Any:
         return " ".join(value.split()) if isinstance(value, str) else value
@@ -118,12 +117,12 @@ def _judged(entry: Mapping[str, Any], known: Mapping[str, Any]) -> Claim:
 
 
 def _parts(entry: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:
-    """Whether the numbers meet each part of a rule."""
+    """Return whether the numbers meet each part of a rule."""
     return [met for part in entry.get("parts", ()) for met in _met(part, known)]
 
 
 def _met(part: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:
-    """Whether the numbers of a part meet it: all together, or each of them."""
+    """Return whether the numbers of a part meet it, all together or individually."""
     ((rule, limit),) = ((name, value) for name, value in part.items() if name in RULES)
     path: str = part.get("each") or part["of"]
     values = np.atleast_1d(np.array(reduce(lambda inside, name: inside[name], path.split("."), known), dtype=float))
@@ -159,22 +158,22 @@ def _template(text: str) -> Any:
 
 
 def percent(value: float, form: str = "+.0f") -> str:
-    """A change as text.
+    """Format a change in percent.
 
     Args:
-        value: [%].
-        form: Of the number, as Python's `format` takes it.
+        value: Change [%].
+        form: Format of the number, as Python's `format` takes it.
     """
     return f"{in_digits(value, form)} %"
 
 
 def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
-    """From the smallest to the largest of several values, as text.
+    """Format the range from the smallest to the largest of several values.
 
     Args:
-        values: At least one.
-        form: Of the number, as Python's `format` takes it.
-        unit: What they are in.
+        values: At least one value.
+        form: Format of the numbers, as Python's `format` takes it.
+        unit: Unit of the values.
     """
     return f"{in_digits(min(values), form)} to {in_digits(max(values), form)} {unit}"
 
@@ -184,10 +183,10 @@ def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Misprint:
-    """One thing that is printed and cannot be meant, or that the paper says otherwise elsewhere."""
+    """One misprint, or one statement that the paper contradicts elsewhere."""
 
     where: str
-    """The section, table or figure."""
+    """Section, table or figure."""
     printed: str
     """What is printed."""
     instead: str
@@ -195,14 +194,14 @@ class Misprint:
 
 
 def misprints() -> tuple[Misprint, ...]:
-    """Misprints and contradictions of the paper; what numbers tell is recomputed from its tables."""
+    """Return misprints and contradictions of the paper; those in its numbers are recomputed from its tables."""
     known = {"tables": quantities.tables(), "robots": quantities.robots()}
     in_words = [{name: _text(text, known) for name, text in entry.items()} for entry in table()["misprints"]]
     return (*_changes(), *_same_speed(), *(Misprint(**texts) for texts in in_words))
 
 
 def _changes() -> Iterator[Misprint]:
-    """Printed changes by the fin that the rows of the tables do not give."""
+    """Yield printed changes due to the fin that do not follow from the rows of the tables."""
     for number, rows in ((1, measured.efficiency_trials()), (2, measured.path_following_trials())):
         for change in measured.printed_changes(rows):
             for what, (printed, found) in change.misprints.items():
@@ -217,7 +216,7 @@ def _changes() -> Iterator[Misprint]:
 
 
 def _same_speed() -> Iterator[Misprint]:
-    """Settings of one group with the same speed to four digits."""
+    """Yield pairs of settings of one group with the same speed to four digits."""
     for one, other in combinations(measured.efficiency_trials(), 2):
         if one.group == other.group and one.forward_velocity is not None:
             if one.forward_velocity == other.forward_velocity:

@@ -1,4 +1,4 @@
-"""The numbers that claims and reports speak of, by study; `claims.toml` names them."""
+"""The numbers used in claims and reports, by study; `claims.toml` refers to them by name."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,23 +19,23 @@ from laticauda.robot import load_robot, load_water
 from laticauda.trial import following as figures_of_path
 
 PAPERS = ("analytical-set", "vortex-set")
-"""The paper's coefficients for its analytical model, and for its Vortex model."""
+"""Names of the paper's coefficients for its analytical model and for its Vortex model."""
 
 Numbers = dict[str, Any]
 
 MODELS: Numbers = {"dt": 0.0005, "path": 1.8e-5}
-"""How far apart planar and spatial model are, over the distance, at a step [s]: the answer of campaigns/parity.py."""
+"""Difference between planar and spatial model over the distance, at a step [s]; result of campaigns/parity.py."""
 
 
 def tables() -> Numbers:
-    """Changes by the fin, recomputed from Table 2 [%]."""
+    """Return the changes due to the fin, recomputed from Table 2 [%]."""
     changes = printed_changes(path_following_trials())
     gain, power = ([getattr(change, name) for change in changes] for name in ("velocity", "power"))
     return {"gain": gain, "power": power, "energy": [*map(_per, power, gain)]}
 
 
 def robots() -> Numbers:
-    """How much longer the fin makes the robot [%], and the coefficients that the paper identified."""
+    """Return how much longer the fin makes the robot [%], and the coefficients that the paper identified."""
     robot, modules = load_robot("mamba-fin"), load_robot("mamba-modules-fin")
     assert robot.caudal_fin is not None
     fin, link = robot.caudal_fin.length, robot.modules[0].length
@@ -57,10 +57,10 @@ def robots() -> Numbers:
 
 
 def efficiency(study: EfficiencyStudy) -> Numbers:
-    """What the efficiency study says: the fin, agreement, trends.
+    """Return the findings of the efficiency study: effect of the fin, agreement, trends.
 
     Args:
-        study: What `run_efficiency` returned.
+        study: Result of `run_efficiency`.
     """
     found = maxima(study)
     phase = next(one for one in found if (one.parameter, one.group) == ("phase_shift", study.settings.groups[0]))
@@ -73,17 +73,17 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
         **_trends(study),
         "optimum": math.degrees(phase.simulated_at[study.judged]),
         "measured_optimum": math.degrees(phase.measured_at),
-        # A billionth less, which is rounding.
+        # Less by a billionth, to allow for rounding.
         "distances": [math.degrees(one.distance(study.judged) - 1e-9) for one in found],
         "at_the_end": [one.at_the_end[study.judged] for one in found],
     }
 
 
 def fin_by_gait(study: EfficiencyStudy) -> dict[str, Numbers]:
-    """By gait, how much faster the fin makes it where that was measured, measured and by model [%].
+    """Return by gait how much faster the fin makes the robot where measured: as measured, and by model [%].
 
     Args:
-        study: What `run_efficiency` returned.
+        study: Result of `run_efficiency`.
     """
     gains = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
     kinds = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in gaits.GAIT_WORDS}
@@ -97,7 +97,7 @@ def fin_by_gait(study: EfficiencyStudy) -> dict[str, Numbers]:
 
 
 def best_null(found: Sequence[Score]) -> Score:
-    """The null model with the least error on rows of Table 1 that it was not fitted to.
+    """Return the null model with the smallest error on rows of Table 1 to which it was not fitted.
 
     Args:
         found: Scores of Table 1.
@@ -106,7 +106,7 @@ def best_null(found: Sequence[Score]) -> Score:
 
 
 def _fin(study: EfficiencyStudy) -> Numbers:
-    """Changes by the fin [%]."""
+    """Return the changes due to the fin [%]."""
     gains = fin_gains(study.cases)
     known = [(gain, gain.measured.velocity) for gain in gains if gain.measured.velocity is not None]
     velocity = [value for _, value in known]
@@ -135,12 +135,12 @@ def _faster(gains: Sequence[FinGain[Case]], model: int) -> list[float]:
 
 
 def _per(power: float, velocity: float) -> float:
-    """Change of energy per meter from those of power and velocity [%]."""
+    """Return the change of energy per meter from the changes of power and velocity [%]."""
     return 100.0 * ((100.0 + power) / (100.0 + velocity) - 1.0)
 
 
 def _agreement(study: EfficiencyStudy) -> Numbers:
-    """Errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
+    """Return the errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
     groups, found = study.settings.groups, scores(study)
     mean = {one.name: dict(zip((group.name for group in groups), one.by_group, strict=True)) for one in found}
     judged, by_papers = found[study.judged], [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)]
@@ -166,7 +166,7 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
 
 
 def _trends(study: EfficiencyStudy) -> Numbers:
-    """Velocity over the frequency, and power over all settings."""
+    """Return trends of velocity over the frequency, and of power over all settings."""
     sweep = next(sweep for sweep in study.sweeps if sweep.settings.parameter == "frequency")
     speeds: dict[str, dict[int, float]] = {group.name: {} for group in study.settings.groups}  # by degrees per second
     for case in study.measured:
@@ -189,26 +189,26 @@ def _trends(study: EfficiencyStudy) -> Numbers:
 
 
 def _alike(study: EfficiencyStudy, group: str) -> list[bool]:
-    """Whether measured and simulated power order each pair of settings alike."""
+    """Return for each pair of settings whether measured and simulated power rank it alike."""
     cases = [case for case in study.cases if case.group.name == group and case.measured.mean_power is not None]
     rows = [(case.measured.mean_power or 0.0, case.mechanical_power[study.judged]) for case in cases]
     return [(one[0] - other[0]) * (one[1] - other[1]) > 0.0 for one, other in combinations(rows, 2)]
 
 
 def _through_origin(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
-    """Coefficient of determination of the best line y = k x [-]."""
+    """Return the coefficient of determination of the best line y = k x [-]."""
     residual = y - x * float(x @ y) / float(x @ x)
     return 1.0 - float(residual @ residual) / float(np.sum((y - np.mean(y)) ** 2))
 
 
-# ---- the others ----------------------------------------------------------------------------------------------------
+# ---- other studies -------------------------------------------------------------------------------------------------
 
 
 def side(study: SideTrials) -> Numbers:
-    """What the side trials say, changes in %; twice the links cost a factor of power.
+    """Return the findings of the side trials: changes in %, and the factor of power for twice the links.
 
     Args:
-        study: What `run_side_trials` returned.
+        study: Result of `run_side_trials`.
     """
 
     def in_words(changes: Mapping[str, float]) -> dict[str, float]:
@@ -239,10 +239,10 @@ def side(study: SideTrials) -> Numbers:
 
 
 def following(study: PathFollowingStudy) -> Numbers:
-    """What the path-following study says.
+    """Return the findings of the path-following study.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     how, figures = study.how, [case.run.figures for case in study.cases]
     means = [figure["last_third_error"] for figure in figures]
@@ -273,17 +273,17 @@ def following(study: PathFollowingStudy) -> Numbers:
 
 
 def band_gains(gain: FinGain[FollowingCase]) -> list[float]:
-    """How much faster the fin makes it, in every way of the band [%].
+    """Return how much faster the fin makes the robot, for every combination in the band [%].
 
     Args:
-        gain: From a case of Table 2 to the one with the fin.
+        gain: Change from a case of Table 2 to the case with the fin.
     """
     ways = range(len(gain.without.band))
     return [gain.simulated(lambda case, way=way: case.band[way].forward_velocity) for way in ways]
 
 
 def _kept(study: PathFollowingStudy, cases: Sequence[FollowingCase]) -> Numbers:
-    """Which runs came to the path, and which stayed there."""
+    """Return which runs converged to the path, and which stayed there."""
     accepted = study.settings.accepted_error
     rms = [_late(case.run) for case in cases]
     return {
@@ -295,12 +295,12 @@ def _kept(study: PathFollowingStudy, cases: Sequence[FollowingCase]) -> Numbers:
 
 
 def _late(run: Any) -> float:
-    """Root mean square of the cycle-mean error over the last third [m]."""
+    """Return the root mean square of the cycle-mean error over the last third [m]."""
     return math.inf if run.last_third_rms is None else run.last_third_rms
 
 
 def _heading_errors(case: FollowingCase) -> tuple[float, float]:
-    """Root mean square of the heading error over the last third, of its cycle mean and as it is [deg]."""
+    """Return the root mean square of the heading error over the last third, of its cycle mean and unaveraged [deg]."""
     trial = case.trial
     assert trial.period is not None
     begin = trial.time[0] + 2.0 / 3.0 * trial.duration
@@ -310,7 +310,7 @@ def _heading_errors(case: FollowingCase) -> tuple[float, float]:
 
 
 def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float]]:
-    """By gait, time [s] and distance [m] until the path is reached, without and with the fin; infinite if it is not."""
+    """Return by gait time [s] and distance [m] to reach the path, without and with the fin; infinite if not reached."""
 
     def mean(gait: str, has_fin: bool, name: str) -> float:
         cases = [case for case in study.cases if (case.group.gait, case.group.has_fin) == (gait, has_fin)]
@@ -325,6 +325,6 @@ def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float
 
 
 def _spreads(study: PathFollowingStudy, figure: Callable[[FollowingCase], float]) -> list[float]:
-    """By group, largest minus smallest value over their mean [%]."""
+    """Return by group the difference between largest and smallest value over the mean [%]."""
     found = [[figure(case) for case in study.cases if case.group == group] for group in study.settings.groups]
     return [100.0 * (max(values) - min(values)) / fmean(values) for values in found]

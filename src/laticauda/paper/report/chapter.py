@@ -1,4 +1,4 @@
-"""What the chapters of the paper's report share: its templates, and how figures are called in them."""
+"""Common parts of the chapters of the paper's report: templates, and references to figures."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +18,7 @@ from laticauda.reports.chapter import Chapter, Row, templates
 
 @cache
 def paper_templates() -> Any:
-    """What renders the paper's templates (Jinja2's).
+    """Return the Jinja2 environment that renders the paper's templates.
 
     Raises:
         MissingExtra: If Jinja2 is not installed.
@@ -34,12 +34,12 @@ paper_chapter = partial(Chapter, templates=paper_templates)
 
 
 def figure_numbers(numbers: Sequence[int]) -> str:
-    """Numbers of figures, those in a row as from-to: "Figs. 12, 14 to 16 and 18".
+    """Format numbers of figures, consecutive ones as a range: "Figs. 12, 14 to 16 and 18".
 
     Args:
-        numbers: At least one, rising.
+        numbers: At least one number, in ascending order.
     """
-    in_a_row = groupby(enumerate(numbers), lambda pair: pair[1] - pair[0])  # they rise as their places do
+    in_a_row = groupby(enumerate(numbers), lambda pair: pair[1] - pair[0])  # they increase as their indices do
     rows = [[number for _, number in row] for _, row in in_a_row]
     parts = [f"{row[0]}" if len(row) == 1 else f"{row[0]} to {row[-1]}" for row in rows]
     listed = " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else parts[0]
@@ -47,23 +47,23 @@ def figure_numbers(numbers: Sequence[int]) -> str:
 
 
 def degrees(angle: float) -> float:
-    """An angle or a rate to read; a billionth of a degree is rounding noise.
+    """Convert an angle or a rate to degrees for display; a billionth of a degree is rounding noise.
 
     Args:
-        angle: [rad, or rad/s].
+        angle: Angle or rate [rad, or rad/s].
 
     Returns:
-        [deg, or deg/s].
+        Angle or rate [deg, or deg/s].
     """
     return round(math.degrees(angle), 9)
 
 
 def row(table: str, thing: object) -> Row:
-    """The columns of `columns.toml` for one row, or a part of it.
+    """Return the columns of `columns.toml` for one row, or a part of it.
 
     Args:
-        table: Its name there.
-        thing: What the row is of; of a mapping, what it holds.
+        table: Name of the table there.
+        thing: Object that the row describes; a mapping is read by its keys.
     """
     found: Row = {}
     for title, way in _columns()[table].items():
@@ -79,7 +79,7 @@ def _columns() -> Mapping[str, Mapping[str, str]]:
 
 
 def _inside(thing: Any, name: str) -> Any:
-    """What a thing holds; of a mapping or a sequence by key or place, and None where there is no thing."""
+    """Return an attribute of `thing`, or an item of a mapping or a sequence; None if `thing` is None."""
     if thing is None or name.isdecimal():
         return thing and thing[int(name)]
     return cast("Any", thing)[name] if isinstance(thing, Mapping) else getattr(thing, name)
@@ -95,12 +95,12 @@ _SHOWN: Mapping[str, Callable[[Any], Any]] = {
 
 
 def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles: Mapping[str, str]) -> list[Row]:
-    """The errors of all predictors of a table, beside models without physics.
+    """Return the errors of all predictors of a table, together with those of models without physics.
 
     Args:
-        study: Of that table.
-        fitted: What the column with the numbers of fitted numbers is called.
-        titles: What rows are called instead of by the predictor's name.
+        study: Study of that table.
+        fitted: Title of the column with the number of fitted values.
+        titles: Titles of rows that replace the predictor's name.
     """
     groups, rows = [f"{group.name} [%]" for group in study.settings.groups], list[Row]()
     for score in scores(study):
@@ -114,13 +114,13 @@ def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles:
 
 
 def fin_row(change: PrintedChange, setting: Row, velocity: Row, power: Row) -> Row:
-    """What the fin changes from one row to another: measured, simulated and printed.
+    """Return the changes due to the fin between two rows: measured, simulated and printed.
 
     Args:
-        change: As printed, and by the table's own numbers.
-        setting: What tells the row from others.
+        change: Change as printed, and from the table's own numbers.
+        setting: Cells that distinguish the row from others.
         velocity: Simulated changes of the forward velocity, by column [%].
-        power: The same of the power [%].
+        power: Simulated changes of the power, by column [%].
     """
     row = change.with_fin
     return {
@@ -138,10 +138,10 @@ def fin_row(change: PrintedChange, setting: Row, velocity: Row, power: Row) -> R
 
 
 def misprinted(gains: Iterable[FinGain[Any]]) -> list[tuple[MeasuredRow, str, float, float]]:
-    """Of every misprinted change the row with the fin, what it is of, the printed and the recomputed one [%].
+    """Return for every misprinted change the row with the fin, the quantity, and the printed and recomputed change [%].
 
     Args:
-        gains: All of a table.
+        gains: All changes of a table.
     """
     return [(gain.measured.with_fin, what, *pair) for gain in gains for what, pair in gain.measured.misprints.items()]
 

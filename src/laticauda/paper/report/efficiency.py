@@ -1,4 +1,4 @@
-"""The efficiency study for readers: its tables, its figures, and what its chapter of the report speaks of."""
+"""The efficiency study for readers: its tables, its figures, and the values in its chapter of the report."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
     from laticauda.paper.figures import Panel
 
-NEAR = math.radians(5.0)  # of the measured maximum; by less than rounding more [rad, rad/s]
+NEAR = math.radians(5.0)  # tolerance about the measured maximum, without the margin for rounding [rad, rad/s]
 
 
 def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
-    """What the study puts into the folder and the report.
+    """Return the study's contribution to the folder and the report.
 
     Args:
-        study: What `run_efficiency` returned.
-        repeats: Repeated trials to draw beside the paper's (`load_repeats`).
+        study: Result of `run_efficiency`.
+        repeats: Repeated trials to draw next to the paper's (`load_repeats`).
     """
     return paper_chapter(
         name="efficiency",
@@ -37,7 +37,7 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 
 def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
-    """What the sentences of the chapter are made of."""
+    """Return the values used in the sentences of the chapter."""
     found, gains, starred, models = scores(study), fin_gains(study.cases), maxima(study), range(len(study.models))
     sweeps, groups = study.settings.sweeps, study.settings.groups
     return {
@@ -56,7 +56,7 @@ def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, An
 
 
 def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list[Row]]:
-    """All tables of the study, by name."""
+    """Return all tables of the study, by name."""
     titles = {model.name: f"{model.name}: {model.title}" for model in study.settings.models}
     return {
         "table1": _table1(study),
@@ -124,11 +124,11 @@ def _sweeps(study: EfficiencyStudy) -> list[Row]:
 
 
 def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Iterator[tuple[str, str, "Figure"]]:
-    """The study's Figs. 4 to 11, one after the other: the name of its file, what it shows, and the figure.
+    """Yield the study's Figs. 4 to 11 one by one: file name, caption and figure.
 
     Args:
-        study: What `run_efficiency` returned.
-        repeats: Repeated trials to draw beside the paper's.
+        study: Result of `run_efficiency`.
+        repeats: Repeated trials to draw next to the paper's.
     """
     from laticauda.paper.figures import POWERS, VELOCITY, efficiency_sheet
 
@@ -142,7 +142,7 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 
 def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":
-    """One panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
+    """Return one panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
     from laticauda.paper.figures import Panel
 
     group, rows = study.settings.groups[place], [case.measured for case in study.cases]
@@ -158,6 +158,6 @@ def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequ
 
 
 def _is_shown(repeat: Repeat, group: Group, sweep: SweepSettings) -> bool:
-    """Whether a panel of this group and sweep has a place for repeated trials."""
+    """Return whether repeated trials lie within a panel of this group and sweep."""
     within = sweep.low - 1e-9 <= getattr(repeat.gait, sweep.parameter) <= sweep.high + 1e-9
     return repeat.group == group.name and within and sweep.contains(repeat.gait)

@@ -1,4 +1,4 @@
-"""The path-following study for readers: its tables, its figures, and what its chapter of the report speaks of."""
+"""The path-following study for readers: its tables, its figures, and the values in its chapter of the report."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,10 +21,10 @@ SPEEDS, HELD_OUT = "table2-speeds", "held-out"
 
 
 def path_following_chapter(study: PathFollowingStudy) -> Chapter:
-    """What the study puts into the folder and the report.
+    """Return the study's contribution to the folder and the report.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     return paper_chapter(
         name="path-following",
@@ -41,7 +41,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
 
 
 def _findings(study: PathFollowingStudy) -> dict[str, Any]:
-    """What the sentences of the chapter are made of."""
+    """Return the values used in the sentences of the chapter."""
     settings, cases, ways, gains = study.settings, study.cases, simulated(study), fin_gains(study.cases)
     kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
     by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
@@ -71,7 +71,7 @@ def _findings(study: PathFollowingStudy) -> dict[str, Any]:
 
 
 def _kept(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> dict[str, Any]:
-    """Whether the cycle-mean error stays small in the last third of every trial, and where not."""
+    """Return in which trials the cycle-mean error does not stay small in the last third, and how large it is."""
     outside = [
         (case.figure, run)
         for case, run in zip(study.cases, runs, strict=True)
@@ -86,7 +86,7 @@ def _kept(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> dict[str, 
 
 
 def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
-    """How far the speeds of one group are from the measured ones, and what closing the loop changes [%]."""
+    """Return the errors of the speeds of one group, and the changes caused by closing the loop [%]."""
     changes = {name: [case.change_by_the_loop(getattr(case, name)) for case in cases] for name in ("run", "cycle_mean")}
     return {
         "name": cases[0].group.name.replace(",", ""),
@@ -98,7 +98,7 @@ def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
 
 
 def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
-    """Measured energy per meter without and with the fin, gait by gait [J/m]."""
+    """Yield the measured energy per meter without and with the fin, gait by gait [J/m]."""
     costs = {group: np.mean(found, axis=1).tolist()[0] for group, found in meter_costs(study).items()}
     for gait in dict.fromkeys(group.gait for group in study.settings.groups):
         pair = {group.has_fin: costs[group.name] for group in study.settings.groups if group.gait == gait}
@@ -107,7 +107,7 @@ def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
 
 
 def _beyond_the_published(held: HeldOutRun) -> dict[str, Any]:
-    """By how much the held-out trial leaves the published ranges: its velocity, the mean of it [m/s], its offset."""
+    """Return by how much the held-out trial exceeds the published ranges: velocity, mean velocity [m/s] and offset."""
     offset, published = ([math.degrees(end) for end in ends] for ends in (held.offset, held.settings.offset))
     return {
         "velocity_beyond": _outside(held.velocity, held.settings.velocity),
@@ -119,7 +119,7 @@ def _beyond_the_published(held: HeldOutRun) -> dict[str, Any]:
 
 
 def _outside(found: Sequence[float], known: Sequence[float]) -> dict[str, float]:
-    """By how much a range leaves another one, to which sides."""
+    """Return by how much a range extends beyond another one, and on which sides."""
     sides = {"below": known[0] - found[0], "above": found[1] - known[1]}
     return {side: by for side, by in sides.items() if by > 0.0}
 
@@ -128,10 +128,10 @@ def _outside(found: Sequence[float], known: Sequence[float]) -> dict[str, float]
 
 
 def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
-    """The speeds of all trials, Figs. 12 to 23, and the held-out trial: file name, caption, figure, one by one.
+    """Yield the speeds of all trials, Figs. 12 to 23 and the held-out trial one by one: file name, caption and figure.
 
     Args:
-        study: What `run_path_following` returned.
+        study: Result of `run_path_following`.
     """
     from laticauda.figures import follow_sheet
     from laticauda.paper.figures import following_speeds_sheet
@@ -178,7 +178,7 @@ def _speeds(case: FollowingCase) -> str:
 
 
 def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
-    """By name: Table 2 row by row, every run, what the loop changes, the fin, errors, costs."""
+    """Return the tables by name: Table 2 row by row, every run, effects of the loop and of the fin, errors, costs."""
     cases = study.cases
     return {
         "following-trials": [

@@ -1,4 +1,4 @@
-"""The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
+"""The paper in one call: run its studies, and write figures, tables, data and a report into one folder."""
 
 import os
 import sys
@@ -32,7 +32,7 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "efficiency": run_efficiency,
     "side": side_trials.run_side_trials,
 }
-"""What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
+"""Functions that run the studies, by name in `Experiments`; the longest is first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {"efficiency": ("efficiency", "side"), "path-following": ("path_following",)}
 """The studies that belong to each half of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
@@ -40,10 +40,10 @@ CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
     "path_following": ("Path following", path_following.path_following_chapter),
 }
-"""The studies that have a part of the report of their own, in its order."""
+"""Studies that have their own part of the report, in its order."""
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
-"""The best first."""
+"""All verdicts, the best first."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -55,17 +55,17 @@ class Experiments:
     efficiency: settings.EfficiencySettings = field(default_factory=settings.efficiency_settings)
     """Figs. 4 to 11 and Table 1."""
     side: side_trials.SideSettings = field(default_factory=side_trials.SideSettings)
-    """Single facts that claims of the paper rest on."""
+    """Individual facts on which claims of the paper are based."""
     path_following: settings.PathFollowingSettings = field(default_factory=settings.path_following_settings)
     """Figs. 12 to 23 and Table 2."""
 
 
 def paper_experiments(parameters: robot.Parameters | None = None) -> Experiments:
-    """The settings of a whole reproduction.
+    """Return the settings of a complete reproduction.
 
     Args:
-        parameters: Coefficients to use instead of the paper's, and what they change about the robots; the efficiency
-            study keeps the paper's, with the robots as they are, beside them. None takes the paper's.
+        parameters: Coefficients to use instead of the paper's, with their changes to the robots; the efficiency study
+            also keeps the paper's, with unchanged robots. None uses the paper's.
     """
     usual = Experiments()
     if parameters is None:
@@ -84,17 +84,17 @@ class Reproduction:
     """What was run and written."""
 
     folder: Path
-    """Where everything is."""
+    """Folder that holds everything."""
     files: tuple[str, ...]
     """Names of the files in it."""
     results: Mapping[str, Any]
-    """What the studies found that were run, by their names in `Experiments`."""
+    """Results of the studies that were run, by their names in `Experiments`."""
     claims: tuple[Claim, ...]
-    """The paper's claims, judged by them."""
+    """The paper's claims, judged by these results."""
 
 
 class _Done(NamedTuple):
-    """What came of a study."""
+    """Outcome of a study."""
 
     study: Any
     files: list[str]
@@ -115,22 +115,22 @@ def reproduce(
     """Run the paper's studies and write everything into a folder.
 
     Args:
-        folder: Made if it does not exist; files of the same names are replaced, others are left alone.
-        settings: Of all studies; None takes the paper's. `paper_experiments` makes those for other coefficients.
-        only: One of `HALVES`; None runs all there are.
-        model: By which model, or its name.
+        folder: Output folder, created if it does not exist; files of the same names are replaced, others left alone.
+        settings: Settings of all studies; None uses the paper's. For other coefficients, see `paper_experiments`.
+        only: One of `HALVES`; None runs all studies.
+        model: Model, or its name.
         repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
-        workers: Processes to spread the studies over. More than 1 needs a script whose main part stands under
-            ``if __name__ == "__main__":``, as all of Python's process pools do.
-        progress: Called now and then with what is going on, how much of it is done, and how much there is.
-        changes: What differs from the model's defaults.
+        workers: Number of processes among which the studies are divided. More than 1 requires a script whose main part
+            is under ``if __name__ == "__main__":``, as do all of Python's process pools.
+        progress: Called from time to time with the current activity, the amount done and the total.
+        changes: Differences from the model's defaults.
 
     Returns:
         What was run and written.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder cannot be written; nothing has been run then.
-        MissingExtra: If Jinja2 is not installed; nothing has been run then.
+        ValueError: If an argument is out of its range, or the folder cannot be written; nothing is run in that case.
+        MissingExtra: If Jinja2 is not installed; nothing is run in that case.
         SimulationFailed: If a trial blows up.
     """
     if only is not None:
@@ -165,11 +165,11 @@ def reproduce(
 
 
 def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chapter:
-    """What the first screen of the report shows.
+    """Return the chapter on the first screen of the report.
 
     Args:
-        results: Of the studies, by their names in `Experiments`.
-        judged: Their claims.
+        results: Results of the studies, by their names in `Experiments`.
+        judged: Claims judged by these results.
     """
     studies = {"Table 1": results.get("efficiency"), "Table 2": results.get("path_following")}
     predictors = {name: scores(study) for name, study in studies.items() if study is not None}
@@ -194,16 +194,16 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
 
 
 def _counted(judged: Sequence[Claim]) -> dict[str, int]:
-    """How many claims have each verdict that there is."""
+    """Return the number of claims with each verdict that occurs."""
     counts = Counter(claim.verdict for claim in judged)
     return {name: counts[name] for name in VERDICTS if counts[name]}
 
 
 def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
-    """What the claims come to with each of the project's own models in place of the paper's coefficients.
+    """Judge the claims with each of the project's own models in place of the paper's coefficients.
 
     Args:
-        results: Of the studies, by their names in `Experiments`; those about single facts are not run with them.
+        results: Results of the studies, by their names in `Experiments`; the side trials are not run with these models.
     """
     studies: dict[str, list[Any]] = {}
     for study in results.values():
@@ -216,11 +216,11 @@ def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
 
 
 def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None) -> Chapter:
-    """What the claims put into the folder and the report.
+    """Return the claims' contribution to the folder and the report.
 
     Args:
-        found: What `laticauda.paper.claims.claims` returned.
-        own: The same with other models, by name: their verdicts, before those of `found`; None: none.
+        found: Result of `laticauda.paper.claims.claims`.
+        own: Claims judged with other models, by name; their verdicts come before those of `found`. None: no others.
     """
     claims = [row("claims", claim) for claim in found]
     for name, others in (own or {}).items():
@@ -234,16 +234,16 @@ def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | 
     )
 
 
-# ---- the studies, one after the other or side by side --------------------------------------------------------------
+# ---- the studies, sequentially or in parallel ----------------------------------------------------------------------
 
 
 def _run(
     do: Callable[[str, Progress], _Done], names: Sequence[str], workers: int, progress: Progress
 ) -> dict[str, _Done]:
-    """Do all studies; the first error ends them."""
+    """Run all studies; the first error ends them."""
     if min(workers, len(names)) == 1:
         return {name: do(name, progress) for name in names}
-    context = get_context("spawn")  # the only way to start a process that is safe everywhere
+    context = get_context("spawn")  # the only start method that is safe everywhere
     if os.name == "posix":
         _track()
     told = context.SimpleQueue()
@@ -257,7 +257,7 @@ def _run(
             done = {running[future]: future.result() for future in as_completed(running)}
         except BaseException:
             for worker in set(active_children()) - others:
-                worker.terminate()  # its files are whole, or not at their place
+                worker.terminate()  # its files are complete or not in place
             raise
         told.put(None)
         listener.join()
@@ -265,8 +265,8 @@ def _run(
 
 
 def _track() -> None:
-    """Start the process that removes what workers share when this one is killed: nobody need hear of that."""
-    sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")  # which it is started with
+    """Start the process that removes what workers share if this one is killed, without a warning to the user."""
+    sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")  # passed on to the process
     try:
         resource_tracker.ensure_running()
     finally:
@@ -295,7 +295,7 @@ def _do(
 # ---- in a worker ---------------------------------------------------------------------------------------------------
 
 _told: Any = None
-"""Where a worker tells how far it is."""
+"""Queue in which a worker reports its progress."""
 
 
 def _remember(told: Any) -> None:
@@ -305,7 +305,7 @@ def _remember(told: Any) -> None:
 
 
 def _end_with(parent: Any) -> None:
-    """Nobody waits for the work of a program that was killed."""
+    """Exit when the parent ends: nobody waits for the work of a program that was killed."""
     parent.join()
     os._exit(1)
 
@@ -315,6 +315,6 @@ def _tell(what: str, done: int, total: int) -> None:
 
 
 def _listen(told: Any, progress: Progress) -> None:
-    """Pass on what workers tell, until there is no more to come."""
+    """Pass on the progress that workers report, until the end is signaled."""
     while (message := told.get()) is not None:
         progress(*message)
