@@ -1,6 +1,8 @@
 """Runs of an operation by fault and seed, as rows of a CSV file that every call goes on with: for other campaigns."""
 
 import csv
+import functools
+import multiprocessing
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, fields
@@ -17,20 +19,30 @@ def stored(path: Path, kind: Any) -> list[Any]:
         return [kind(**{name: kinds[name](text) for name, text in row.items()}) for row in csv.DictReader(file)]
 
 
-def gone_on(path: Path, kind: Any, jobs: Iterable[tuple[str, int]], run_one: Callable[[str, int], Any]) -> list[Any]:
-    """The rows in a file, after the jobs, fault and seed, that it has not yet; each is kept as soon as it is done."""
+def gone_on(
+    path: Path, kind: Any, jobs: Iterable[tuple[str, int]], run_one: Callable[[str, int], Any], workers: int = 1
+) -> list[Any]:
+    """The rows in a file, after the jobs, fault and seed, that it has not yet; each is kept as soon as it is done.
+
+    With several workers rows stay in the order of the jobs; what a worker is ahead is lost when it is stopped.
+    """
     rows = stored(path, kind)
     done = {(row.fault, row.seed) for row in rows}
-    for fault, seed in jobs:
-        if (fault, seed) in done:
-            continue
-        row = asdict(run_one(fault, seed))
-        is_new = not path.exists()
-        with path.open("a", newline="") as file:
-            writer = csv.DictWriter(file, list(row), lineterminator="\n")
-            if is_new:
-                writer.writeheader()
-            writer.writerow(row)
-        rows.append(kind(**row))
-        print(fault or "good", *(one for name, one in row.items() if name != "fault"), file=sys.stderr, flush=True)
+    left = [job for job in jobs if job not in done]
+    with multiprocessing.Pool(workers) as pool:
+        for found in pool.imap(functools.partial(_ran, run_one), left):
+            row = asdict(found)
+            is_new = not path.exists()
+            with path.open("a", newline="") as file:
+                writer = csv.DictWriter(file, list(row), lineterminator="\n")
+                if is_new:
+                    writer.writeheader()
+                writer.writerow(row)
+            rows.append(found)
+            told = (one for name, one in row.items() if name != "fault")
+            print(found.fault or "good", *told, file=sys.stderr, flush=True)
     return rows
+
+
+def _ran(run_one: Callable[[str, int], Any], job: tuple[str, int]) -> Any:
+    return run_one(*job)

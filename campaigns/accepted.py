@@ -163,10 +163,11 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=0, help="of each fault")
     parser.add_argument("--hours", type=float, default=0.0, help="of good runs")
     parser.add_argument("--file", type=Path, default=FILE)
+    parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     jobs = [(fault, seed) for seed in range(options.runs) for fault in FAULTS]
     jobs += [("", seed) for seed in range(math.ceil(options.hours * 3600.0 / DURATION))]
-    rows = gone_on(options.file, Row, jobs, run_one)
+    rows = gone_on(options.file, Row, jobs, run_one, options.workers)
     print(table(rows))
     return int(sum(not row.fault and row.outcome != "accepted" for row in rows) > 1)
 

@@ -189,10 +189,11 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=0, help="good ones, from seed 1000 on")
     parser.add_argument("--faults", type=int, default=0, help="of each fault")
     parser.add_argument("--file", type=Path, default=FILE)
+    parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     jobs = [("", 1000 + seed) for seed in range(options.runs)]
     jobs += [(fault, seed) for seed in range(options.faults) for fault in FAULTS]
-    rows = gone_on(options.file, Row, jobs, run_one)
+    rows = gone_on(options.file, Row, jobs, run_one, options.workers)
     print(table(rows))
     return 0
 
