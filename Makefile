@@ -82,11 +82,13 @@ docs: $(DOCS)  ## Build the documentation into site/
 	@PYTHONPATH=. $(BIN)/zensical build --clean --strict
 	@$(BIN)/laticauda export web --output site/swim
 
-bench: $(PACKAGE)  ## Speed, one script per question
-	@for script in benchmarks/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done
+bench: $(DEV)  ## Speed, one script per question
+	@failed=; for script in benchmarks/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || failed="$$failed $$script"; done; \
+	[ -z "$$failed" ] || { echo "Failed:$$failed"; exit 1; }
 
 campaigns: $(DEV)  ## What is too long for every commit
-	@for script in campaigns/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	@failed=; for script in campaigns/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || failed="$$failed $$script"; done; \
+	[ -z "$$failed" ] || { echo "Failed:$$failed"; exit 1; }
 
 clean:  ## Remove everything that was made here
 	rm -rf $(VENV) site out build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,10 +1,11 @@
-"""Swim in water of one's own: linear at low speed, and the drag along the body sees
-some of the sideways speed.
+"""Swim in water with a drag law of your own: linear at low speed, and the drag
+along the body depends on part of the sideways speed.
 
-A law is a value below `DragLaw`: its fields are its numbers, its `__call__` is the
-formula. It stands in the water, and its numbers have names: they can be swept,
-identified, stored and given to an FMU. The kernels are compiled for the formula
-once, whatever its numbers; an edited formula compiles anew by itself.
+A law is a subclass of `DragLaw`: its fields are the parameters, and its `__call__`
+is the formula. The law is part of the water, and its parameters have names, so they
+can be swept, identified, stored and passed to an FMU. The kernels are compiled once
+per formula, whatever the parameter values; an edited formula is recompiled
+automatically.
 
     python examples/02_own_fluid_law.py
 """

@@ -1,8 +1,8 @@
 """Mamba with its fin follows a smooth path through five waypoints.
 
-Guidance asks for a heading, the heading controller for an offset of the gait; `run`
-closes the loop with any plant. The log of the run also holds the controller's
-signals.
+Guidance computes a reference heading, and the heading controller an offset of the
+gait; `run` closes the loop with any plant. The log of the run also contains the
+controller's signals.
 
     python examples/03_follow_a_path.py
 """

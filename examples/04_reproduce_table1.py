@@ -1,7 +1,7 @@
-"""Table 1 of the paper, simulated with the paper's own coefficients, beside what
-was measured on the robot.
+"""Table 1 of the paper, simulated with the paper's own coefficients and compared
+with the measurements on the robot.
 
-`run_efficiency` repeats the whole study; here it is cut down to the table.
+`run_efficiency` repeats the whole study; this example runs only the table.
 `laticauda reproduce` runs all of it, draws the figures and writes a report.
 
     python examples/04_reproduce_table1.py

@@ -1,8 +1,8 @@
-"""One trial of the paper's Table 2, measured and simulated, with the raw heading
+"""One trial of the paper's Table 2: measured, and simulated with the raw heading
 and with its mean over the gait cycle.
 
-The paper says neither how fast an offset comes into effect nor which heading it
-uses; both move the speed.
+The paper states neither how fast an offset takes effect nor which heading is
+used; both affect the speed.
 
     python examples/05_table2.py
 """

@@ -1,5 +1,5 @@
-"""What does the speed depend on? Derivatives to any number of robot, gait and
-water.
+"""What does the speed depend on? Derivatives with respect to any parameter of the
+robot, the gait and the water.
 
 python examples/06_sensitivities.py
 """

@@ -1,7 +1,7 @@
-"""Mamba in three dimensions: a pitching wave, a helix, a path in space, the ground,
-and from a shore into the water.
+"""Mamba in three dimensions: a pitching wave, a helix, a path in space, and
+motion on the ground and from a shore into the water.
 
-A gait may have a second wave, of the pitch joints. Everything here needs the extra
+A gait can have a second wave, for the pitch joints. This example needs the extra
 `spatial`.
 
     python examples/08_three_dimensions.py
@@ -17,7 +17,7 @@ import laticauda as lc
 from laticauda.spatial.scene import Shore
 
 robot = lc.load_robot("mamba-modules")
-# it neither rises nor sinks
+# neutrally buoyant
 water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
 yaw = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
@@ -38,7 +38,7 @@ for name, gait in (("lateral", yaw), ("vertical", vertical), ("helix", helix)):
 controller = lc.SpatialPathFollowing(
     gait=yaw,
     path=lc.StraightLine(),
-    # distance along it, height
+    # distance along the path, height
     profile=lc.Spline(
         waypoints=((0.0, -0.5), (2.0, -0.5), (5.0, -1.0), (12.0, -1.5))
     ),
@@ -69,7 +69,7 @@ ax.set(xlabel="x [m]", ylabel="height [m]")
 ax.legend()
 figure.savefig("dive.png", dpi=150)
 
-# Friction that fades out below 1 cm/s instead of 1 mm/s lets the steps be ten times
+# Friction that fades out below 1 cm/s instead of 1 mm/s allows time steps ten times
 # as long.
 snake_skin = lc.Ground(
     friction=lc.CoulombFriction(regularization_speed=1e-2),

@@ -1,7 +1,7 @@
 """How stiff should a caudal fin be? Mamba swims with fins from limp to rigid.
 
-A fin with hinges bends; `flexural_rigidity` is E I of its plate, 2.2 N m^2 for 5 mm
-of polycarbonate. All trials go side by side in one batch.
+A fin with hinges bends; `flexural_rigidity` is the E I of its plate, 2.2 N m^2 for
+5 mm of polycarbonate. All fins that bend swim side by side in one batch.
 
     python examples/09_elastic_fin.py
 """

@@ -1,5 +1,5 @@
-"""What are the coefficients of this water, and which of them can be known? From a
-few tracked trials.
+"""What are the coefficients of this water, and which of them can be determined
+from a few tracked trials?
 
 python examples/10_identify.py
 """
@@ -12,8 +12,8 @@ import numpy as np
 import laticauda as lc
 from laticauda.identify import Measurement, fit, from_trial, leave_out
 
-# In place of a tank: three trials in a water whose numbers the fit is not told,
-# seen by a tracker with noise.
+# Instead of a tank: three trials in water whose coefficients the fit does not
+# know, recorded by a noisy tracker.
 rng = np.random.default_rng(1)
 robot, guess = lc.load_robot("mamba"), lc.load_water("paper-lateral")
 truth = replace(
@@ -36,7 +36,7 @@ for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
         "heading": 0.01,
     }  # standard deviations [m], [rad]
     seen = from_trial(tracked, name=f"trial {k}", series=noise, every=5)
-    # it began about where it was seen
+    # it started approximately where it was first seen
     measured.append(
         replace(seen, scenario=replace(seen.scenario, environment=guess))
     )

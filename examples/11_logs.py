@@ -1,4 +1,4 @@
-"""A trial for other tools, and somebody's log as a trial.
+"""Save a trial for other tools, and load a log from another program as a trial.
 
 python examples/11_logs.py
 """
@@ -15,8 +15,8 @@ gait = lc.lateral_undulation(
 )
 trial = lc.swim(lc.load_robot("mamba-fin"), gait, duration=30.0)
 
-# Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. All of
-# them load back equal.
+# Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. Each of
+# them loads back as an equal trial.
 for name in ("run.mcap", "run.mat", "run.parquet"):
     trial.save(name)
     print(
@@ -24,8 +24,8 @@ for name in ("run.mcap", "run.mat", "run.parquet"):
         f"{lc.load_trial(name).equals(trial)}"
     )
 
-# In: a table of where the robot was, from any program, and a map that says what its
-# columns are.
+# In: a table of the robot's positions from any program, and a map that says what
+# its columns are.
 rows = zip(
     1000.0 * trial.time,
     *trial.center_of_mass.T,

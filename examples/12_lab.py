@@ -1,9 +1,9 @@
-"""Operate the virtual tank: the operator's program against joint modules, cameras
-and a power meter.
+"""Operate the virtual tank: the operator's program runs against simulated joint
+modules, cameras and a power meter.
 
-Here both stand in one process and are stepped, so nothing waits. `make lab` runs
-them as two programs with a CAN bus, a network port and a serial line between them;
-on the robot, `laticauda operate` is the same operator.
+Here the operator and the tank share one process and are stepped, so nothing waits.
+`make lab` runs them as two programs with a CAN bus, a network port and a serial
+line between them; on the robot, `laticauda operate` is the same operator.
 
     python examples/12_lab.py
 """

@@ -1,8 +1,8 @@
-"""Mamba with its fin plans its way along a line, in a current across that is half
-as fast as the robot swims.
+"""Mamba with its fin plans its way along a line, in a cross current half as fast
+as the robot swims.
 
-How the gait moves the robot comes out of four trials. The plan steers and chooses
-the frequency, within 15 W.
+Four trials provide the model of how the gait moves the robot. The plan steers
+and chooses the frequency, within 15 W.
 
     pip install "laticauda[mpc]"
     python examples/13_mpc.py
@@ -22,7 +22,7 @@ gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
 )
 robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
-# from four trials of its own
+# fitted to four trials that it runs itself
 model = averaged_model(lc.plant(robot, water), gait, (radians(60), radians(120)))
 
 limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}

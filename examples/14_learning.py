@@ -1,11 +1,11 @@
-"""A learner against line of sight: follow a line in a current that neither of them
-sees.
+"""A learner against line of sight: both follow a line in a current that neither of
+them observes.
 
-The learner is an evolution strategy (CMA-ES) on a policy of ten numbers. In 64
-lanes of one environment 16 candidates swim four episodes each, so a generation is
-19 200 steps of 0.2 s and takes a fraction of a second. Three seeds; the episodes at
-the end are new to all. `campaigns/learning.py` has PPO of stable-baselines3 in
-place of it.
+The learner is an evolution strategy (CMA-ES) for a policy with ten parameters. In
+the 64 lanes of one environment, 16 candidates swim four episodes each, so a
+generation is 19 200 steps of 0.2 s and takes a fraction of a second. There are
+three seeds; the episodes at the end are new to all of them.
+`campaigns/learning.py` uses PPO from stable-baselines3 instead.
 
     pip install . ./plugins/laticauda-gym cma
     python examples/14_learning.py

@@ -1,8 +1,8 @@
-"""A robot as an FMU: written here, steered by another program, with nothing of
-laticauda behind it.
+"""A robot as an FMU: exported here, and steered by another program without
+laticauda.
 
-FMPy (pip install fmpy) stands for any tool that speaks FMI 2.0, and a C compiler
-has to be there to write the FMU.
+FMPy (pip install fmpy) stands in for any tool that supports FMI 2.0. Exporting
+the FMU requires a C compiler.
 
 python examples/15_fmu.py
 """
@@ -30,7 +30,7 @@ print(
     "mamba.fmu:", ", ".join(f"{number} {kind}s" for kind, number in count.items())
 )
 
-# The same 30 s, in FMPy and here.
+# The same 30 s in FMPy and in Python.
 seen = simulate_fmu("mamba.fmu", stop_time=30.0, output_interval=0.05)
 trial = lc.swim(robot, gait, duration=30.0)
 there, here = (
@@ -42,8 +42,8 @@ print(
     "Python's"
 )
 
-# Step by step, as a co-simulation does: a current sets in after 20 s, and the
-# offset holds the course against it.
+# Step by step, as in a co-simulation: a current sets in after 20 s, and the
+# offset keeps the robot on course against it.
 folder = extract("mamba.fmu", abspath("mamba"))
 told = read_model_description(folder)
 number = {v.name: v.valueReference for v in told.modelVariables}

@@ -1,7 +1,8 @@
-"""A robot that nobody fitted: AmphiBot's recorded run 1, simulated from its
-measured joint angles.
+"""A robot for which nothing was fitted: AmphiBot's recorded run 1, simulated from
+its measured joint angles.
 
-campaigns/amphibot.py has all figures of it, beside models without hydrodynamics.
+campaigns/amphibot.py computes all figures of this run and compares them with
+models without hydrodynamics.
 
 python examples/16_amphibot.py
 """
@@ -13,12 +14,12 @@ import laticauda as lc
 from laticauda.robot.files import PRESETS
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
-# The water is the textbook's: friction of skin, nose and gaps, drag and added mass
-# of an elliptic section.
+# The water comes from textbook tables: friction of skin, nose and gaps; drag and
+# added mass of an elliptic section.
 gait = lc.recorded_gait(lc.load_joint_angles("amphibot-1"))
 trial = lc.swim("amphibot", gait, 13.0, dt=0.005, sample_interval=0.02)
 
-# 13 LEDs from head to tail, by their distance from the tail end along the straight
+# The 13 LEDs from head to tail: distance from the tail end along the straight
 # body.
 link = 0.0965
 along = [

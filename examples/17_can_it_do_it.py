@@ -1,9 +1,9 @@
-"""Can this robot do it? What the gaits of the docs take of every preset, and Table
-1's of Mamba's joints in the models.
+"""Can this robot do it? What the gaits in the docs require of every preset, and
+what those of Table 1 require of Mamba's joints in each model.
 
-The real Mamba swam all of Table 1. So a row beyond its published servo (2.9 N m,
-7.5 rad/s) says that the model's water or its joints ask for too much, or that there
-is more gear between servo and joint than was published.
+The real Mamba swam all of Table 1. A row that exceeds its published servo (2.9 N m,
+7.5 rad/s) therefore means that the model's water or joints demand too much, or that
+there is more gearing between servo and joint than was published.
 
     python examples/17_can_it_do_it.py
 """
@@ -63,7 +63,7 @@ for name in parameter_names():
         trial = lc.swim(
             robot, row.gait, environment=water, joints=model.joints or "prescribed"
         )
-        # the same motion and torques, the published servo
+        # the same motion and torques with the published servo
         found = feasibility(published, trial, trial.period)
         n_beyond += bool(found.problems)
         most = max(most, found.figures["peak_joint_torque"])

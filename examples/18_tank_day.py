@@ -1,9 +1,10 @@
-"""A tank day: from a robot on the table to its own water, with a verdict about the
-law of the water.
+"""A tank day: from a robot on the table to its own water, with a verdict on the law
+of the water.
 
-A simulated robot stands in for the one in the tank, in a water that the evaluation
-is not told, seen with noise. In a lab, `laticauda design-experiment --tank-day day`
-makes the folder, people fill it, and the same command evaluates it.
+A simulated robot stands in for the one in the tank. Its water is unknown to the
+evaluation, and its measurements are noisy. In a lab,
+`laticauda design-experiment --tank-day day` creates the folder, people fill it in,
+and the same command evaluates it.
 
     python examples/18_tank_day.py
 """

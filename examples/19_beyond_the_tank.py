@@ -1,8 +1,8 @@
-"""Where the paper's tank did not go: a current across the path, a path with bends,
-turns with a constant offset.
+"""Beyond the experiments in the paper's tank: a current across the path, a path
+with bends, and turns with a constant offset.
 
-In a current only an error makes line of sight point upstream, unless it integrates;
-and of bends it runs wide.
+In a current, only an error makes line of sight point upstream, unless it
+integrates. In bends, it runs wide.
 
     python examples/19_beyond_the_tank.py
 """

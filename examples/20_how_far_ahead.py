@@ -1,11 +1,11 @@
-"""How far ahead must line of sight look? Where the loop settles on the path over
-look-ahead distance and gain.
+"""How far ahead must line of sight look? A map over look-ahead distance and gain
+shows where the loop settles on the path.
 
-The mean heading over the gait cycle is free of the gait's ripple, and half a period
-late: with the paper's 0.18 m and 0.4 the robot swings about the path. From 0.36 m
-on it does not at that gain; two robot lengths, the rule of thumb, are enough and
-not needed. `python examples/20_how_far_ahead.py all` asks the other three swimmers
-of the paper too.
+The mean heading over the gait cycle is free of the gait's ripple but half a period
+late: with the paper's distance of 0.18 m and gain of 0.4, the robot oscillates
+about the path. At that gain, it settles from 0.36 m on; two robot lengths, the rule
+of thumb, are sufficient but not necessary. The other three swimmers of the paper
+run too with `python examples/20_how_far_ahead.py all`.
 """
 
 import sys
@@ -77,7 +77,7 @@ for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
         ]
     )
     rms, before = found[..., 0], found[..., 1]
-    # neither settled nor still coming
+    # neither settled nor still approaching
     swings = (rms >= 0.05) & (rms**2 > 0.5 * before**2)
     first = np.flatnonzero(swings[:, 3])[-1] + 1
     raw, _ = errors(plant, gait, 0.18, 0.4, "raw")

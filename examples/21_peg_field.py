@@ -1,9 +1,9 @@
-"""Obstacle-aided locomotion: where friction knows no direction, the robot moves by
-what it pushes against.
+"""Obstacle-aided locomotion: where friction is the same in all directions, the
+robot moves by pushing against obstacles.
 
-On such ground a body wave goes nowhere; in a field of pegs it pushes itself along.
-The same holds under water whose drag is the same in all directions. Everything here
-needs the extra `spatial`.
+On such ground a body wave makes no headway; in a field of pegs the robot pushes
+itself along. The same holds under water if the drag is the same in all directions.
+This example needs the extra `spatial`.
 
     python examples/21_peg_field.py
 """
@@ -27,7 +27,7 @@ bare = lc.Ground(
     normal=0.1,
 )
 section = robot.modules[0].section
-# of C_D: C_f for c_t = c_n
+# C_f as a share of C_D, for c_t = c_n
 share = (
     4.0 * section.half_height / (pi * (section.half_height + section.half_width))
 )

@@ -1,8 +1,8 @@
-"""Swimming in turbulence: how much slower and dearer it is on the way, and how much
-of that is chance.
+"""Swimming in turbulence: how much slower the robot is, how much more energy it
+needs per meter, and how much of that is chance.
 
-Twenty seeds of each intensity are lanes of one kernel; their numbers are axes of
-sweeps, too.
+Twenty seeds of each intensity run as lanes of one kernel; the parameters of the
+turbulence can also be axes of a sweep.
 
     python examples/22_moving_water.py
 """

@@ -1,8 +1,8 @@
-"""One trial of Table 2 in the virtual tank, operated like the robot: tank and
-operator are two processes.
+"""One trial of Table 2 in the virtual tank, operated like the robot: the tank and
+the operator are two processes.
 
-They share nothing but a CAN bus, a network port and a serial line. Then the same
-trial is simulated without any of that, and the two velocities are put side by side.
+They share only a CAN bus, a network port and a serial line. The same trial is then
+simulated without any of these, and the two velocities are compared.
 
     python examples/lab/run.py [--speed 2] [--duration 90]
 """
