@@ -64,6 +64,6 @@ for wash in (0.0, 0.2, 0.4):
     way = own.center_of_mass[:, 0]
     ax.plot(own.time, way, label=f"{wash:.0%} of the sideways speed")
 ax.plot(usual.time, usual.center_of_mass[:, 0], "k--", label="the usual law")
-ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.set(xlabel="time [s]", ylabel="distance [m]")
 ax.legend()
 figure.savefig("laws.png", dpi=150)

@@ -55,6 +55,6 @@ print(
     f"the plan swims at {frequency:.0f} deg/s and reckons with a drift of "
     f"{drift:.3f} m/s"
 )
-ax.set(xlabel="time [s]", ylabel="beside the line [cm]")
+ax.set(xlabel="time [s]", ylabel="cross-track error [cm]")
 ax.legend()
 figure.savefig("plan.png", dpi=150)

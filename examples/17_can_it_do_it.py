@@ -46,7 +46,7 @@ for name in robot_names():
     ax.plot(range(len(GAITS)), shares, "o-", label=name)
 ax.axhline(1.0, color="black", linewidth=1)
 ax.set_xticks(range(len(GAITS)), [f"{k}, {a} {w} {d}" for k, a, w, d in GAITS])
-ax.set_ylabel("share used; above 1: it cannot")
+ax.set_ylabel("share of the limit used")
 ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 figure.savefig("can-it.png", dpi=150)
 

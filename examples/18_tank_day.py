@@ -84,6 +84,6 @@ tank_day.write_result(folder, day, found)
 figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
 for name, trial in (("swim", swim), ("glide", glide)):
     ax.plot(trial.time, trial.center_of_mass[:, 0], label=name)
-ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.set(xlabel="time [s]", ylabel="distance [m]")
 ax.legend()
 figure.savefig("day.png", dpi=150)

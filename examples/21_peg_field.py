@@ -58,7 +58,7 @@ for place, environment in (("on land", bare), ("under water", plain)):
     )
     # laticauda view pegs-on-land.nc --video pegs.mp4
     trial.save(f"pegs-{place.replace(' ', '-')}.nc")
-ax.set(xlabel="time [s]", ylabel="way [m]")
+ax.set(xlabel="time [s]", ylabel="distance [m]")
 ax.legend()
 figure.savefig("pegs.png", dpi=150)
 
