@@ -281,9 +281,9 @@ class MotionModel:
         velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
         velocity += _in_world(along, across, c, s)
         if twin is not None:
-            ahead = mean[H] - twin.heading
-            velocity += _in_world(*twin.velocity, math.cos(ahead), math.sin(ahead))
-        return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
+            (u, v), ahead = twin.velocity.tolist(), mean[H] - twin.heading
+            velocity += _in_world(u, v, math.cos(ahead), math.sin(ahead))
+        return velocity, float(turning + pace[HEADING] + mean[HEADING_GAIN] @ bending_rate)
 
     def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
         """Return the expected motion-capture measurement, x, y [m] and yaw of the link [rad], and its derivative.
