@@ -82,13 +82,17 @@ docs: $(DOCS)  ## Build the documentation into site/
 	@PYTHONPATH=. $(BIN)/zensical build --clean --strict
 	@$(BIN)/laticauda export web --output site/swim
 
-bench: $(DEV)  ## Speed, one script per question
-	@failed=; for script in benchmarks/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || failed="$$failed $$script"; done; \
+# Every script of a folder; one that fails does not keep the others from running.
+define run_all
+	@failed=; for script in $(1)/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || failed="$$failed $$script"; done; \
 	[ -z "$$failed" ] || { echo "Failed:$$failed"; exit 1; }
+endef
+
+bench: $(DEV)  ## Speed, one script per question
+	$(call run_all,benchmarks)
 
 campaigns: $(DEV)  ## What is too long for every commit
-	@failed=; for script in campaigns/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || failed="$$failed $$script"; done; \
-	[ -z "$$failed" ] || { echo "Failed:$$failed"; exit 1; }
+	$(call run_all,campaigns)
 
 clean:  ## Remove everything that was made here
 	rm -rf $(VENV) site out build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
