@@ -109,6 +109,26 @@ def test_samples_may_come_late_and_out_of_order(noisy):
     assert two.heading == pytest.approx(one.heading, abs=1e-9)
 
 
+def test_estimates_in_between_change_nothing_and_are_gone_on_from_where_the_next_sample_comes(noisy, monkeypatch):
+    _, arrivals, _ = noisy
+    estimator = Estimator(robot=lc.load_robot("mamba"))
+    chosen = [sample for at, sample in arrivals if at <= 1.0]
+    plain = asked = estimator.init()
+    for sample in chosen:
+        plain = estimator.step(plain, sample)
+    n_predictions, before = [], Estimator._advanced
+    monkeypatch.setattr(Estimator, "_advanced", lambda *given: n_predictions.append(1) or before(*given))
+    for sample in chosen:
+        estimator.estimate(asked, sample.time)
+        n_predictions.clear()
+        is_next = sample.time > asked.latest.time and asked.latest.posterior is not None
+        asked = estimator.step(asked, sample)
+        assert not (is_next and n_predictions)
+    for name in ("mean", "covariance"):
+        one, other = (getattr(state.latest.posterior, name) for state in (plain, asked))
+        np.testing.assert_array_equal(one, other)
+
+
 def test_samples_that_come_too_late_are_left_out_and_counted(noisy):
     _, arrivals, _ = noisy
     estimator = Estimator(robot=lc.load_robot("mamba"), horizon=0.05)

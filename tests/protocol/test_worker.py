@@ -107,15 +107,24 @@ def priorities(*threads: threading.Thread) -> list[int]:
     return [os.sched_getparam(thread.native_id).sched_priority for thread in threads]
 
 
+def cores(*threads: threading.Thread) -> list[set[int]]:
+    return [os.sched_getaffinity(thread.native_id) for thread in threads]
+
+
 @pytest.mark.skipif(not allowed(), reason="this system gives no real-time priority")
-def test_the_loop_comes_before_its_devices_and_these_before_other_threads():
+def test_the_loop_comes_before_its_devices_with_which_it_shares_a_core_and_these_before_other_threads():
     other = threading.Thread(target=threading.Event().wait, daemon=True)
     other.start()
     with Idle() as device:
         threads = threading.current_thread(), device._thread, other
+        before = cores(*threads)
         with urgent() as granted:
             assert priorities(*threads) == [LOOP, DEVICES, 0]
+            (loop,), (devices,), others = cores(*threads)
+            assert loop == devices
+            assert others == before[2]
         assert priorities(*threads) == [0, 0, 0]
+        assert cores(*threads) == before
     assert granted.startswith("The loop has real-time priority, and memory that ")
 
 

@@ -146,7 +146,6 @@ class Estimator(StateEstimator):
         velocity, turning = model.rates(mean, now.lagged, now.lagged_rate, now.frequency, now.twin)
         joint = now.lagged + mean[JOINTS::2]
         spread = rows @ posterior.covariance @ rows.T
-        water = posterior.covariance[VX : VY + 1, VX : VY + 1]
         age = now.time - now.frame_time
         return Estimate(
             time=now.time,
@@ -162,7 +161,7 @@ class Estimator(StateEstimator):
             center_of_mass_std=math.sqrt(0.5 * (spread[0, 0] + spread[1, 1])),
             heading_std=math.sqrt(spread[2, 2]),
             current=mean[[VX, VY]],
-            current_std=math.sqrt(_larger_eigenvalue(water)),
+            current_std=math.sqrt(_larger_eigenvalue(posterior.covariance[VX : VY + 1, VX : VY + 1])),
         )
 
     # ---- inside ----------------------------------------------------------------------------------------------------
@@ -176,7 +175,16 @@ class Estimator(StateEstimator):
         return self._with_frame(state, sample)
 
     def _predicted(self, state: FilterState, time: float) -> FilterState:
-        """Return the filter at a later time, without further samples."""
+        """Return the filter at a later time, without further samples.
+
+        The last prediction is kept: the next samples often come where an estimate was requested.
+        """
+        kept: Any = self.__dict__.get("_kept", (None, math.nan, None))
+        if kept[0] is not state or kept[1] != time:
+            kept = self.__dict__["_kept"] = state, time, self._advanced(state, time)
+        return kept[2]
+
+    def _advanced(self, state: FilterState, time: float) -> FilterState:
         dt = time - state.time
         if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
@@ -194,8 +202,7 @@ class Estimator(StateEstimator):
         posterior = state.posterior
         if state.twin is not None and self.plant is not None:
             joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
-            fin = state.fin_reference
-            twin = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=fin)
+            twin = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=state.fin_reference)
             if twin is None and posterior is not None:
                 posterior = self.model.reopened(posterior)
             state = replace(state, twin=twin, twin_failed=twin is None)

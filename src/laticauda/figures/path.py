@@ -95,8 +95,7 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
         text = MARGIN * max(extent(trial))  # about as wide as the text
         places = [(each, _beside(center, near, each, half_width)) for each in (side, -side)]
-        clear = [(each, at) for each, at in places if _gap(path, at + 0.5 * text * each) > 0.7 * text]
-        side, place = clear[0] if clear else places[0]
+        side, place = next((one for one in places if _gap(path, one[1] + 0.5 * text * one[0]) > 0.7 * text), places[0])
     style.note(
         ax,
         f"{trial.time[sample]:.3g} s",

@@ -88,8 +88,9 @@ class Measurement:
         instance("series", self.series, Mapping)
         instance("scenario.motion", self.scenario.motion, lc.Gait)
         instance("scenario.start", self.scenario.start, lc.Start)
+        has_fin = self.scenario.robot.caudal_fin is not None
         checked: dict[str, Any] = {
-            "group": self.group or _usual_group(self.scenario),
+            "group": self.group or f"{self.scenario.gait.words}, {'with' if has_fin else 'without'} fin",
             "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),
             "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
         }
@@ -156,11 +157,6 @@ class Measurement:
         value, sigma = self.figures[figure]
         bias = mean_of_the_greatest(self.selected_from) if figure.endswith("_velocity") else 0.0
         return value - bias * sigma
-
-
-def _usual_group(scenario: lc.Scenario) -> str:
-    """Return the default group: gait, with or without fin."""
-    return f"{scenario.gait.words}, {'without' if scenario.robot.caudal_fin is None else 'with'} fin"
 
 
 def from_trial(

@@ -42,11 +42,14 @@ class Devices:
     stop: StopInput | None = None
     """The emergency-stop input; None without one."""
 
-    def receive(self) -> tuple[Inputs, tuple[Frame, ...]]:
-        """Return everything received since the last call, and the raw frames of the bus."""
-        frames, events = self.bus.receive(), {"bus_off": self.bus.bus_off}
-        for why in () if self.stop is None else self.stop.receive():
-            events["emergency_input"] = why
+    def receive(self, ours: Mapping[str, str]) -> tuple[Inputs, tuple[Frame, ...]]:
+        """Return everything received since the last call, and the raw frames of the bus.
+
+        Args:
+            ours: Why our own events are there, by event; "" means that one is not.
+        """
+        frames, stops = self.bus.receive(), () if self.stop is None else self.stop.receive()
+        events = {"bus_off": self.bus.bus_off, "emergency_input": next(iter(stops), ""), **ours}
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
             frames=self.mocap.receive(),
@@ -101,10 +104,9 @@ def run_loop(
     clock, interval = devices.clock, 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
     ticks: Any = np.empty((MOST_TICKS if clock.is_real else 0, 3))  # allocated once: nothing grows in the loop
-    n_ticks = 0
+    n_ticks = count = 0
     with clock.undisturbed() as granted:
         begun = origin = clock.now()
-        count = 0
         while not state.is_done:
             due = origin + count * interval
             if due - begun > longest:
@@ -112,8 +114,7 @@ def run_loop(
             clock.wait_until(due)
             now = clock.now()
             ours = {**keys(now), "recorder_failed": sink.trouble if sink else "", "program_error": error}
-            inputs, received = devices.receive()
-            inputs = replace(inputs, events={**inputs.events, **{event: why for event, why in ours.items() if why}})
+            inputs, received = devices.receive(ours)
             try:
                 state, outputs = operator.tick(state, now, inputs)
                 errors, error = 0, ""
@@ -179,9 +180,6 @@ class TankDriver:
         tank: The tank.
         clock: Clock that timestamps incoming data.
     """
-
-    trouble = ""
-    """Always empty: nothing goes wrong."""
 
     def __init__(self, tank: lab.Tank, clock: Clock) -> None:
         self._tank, self._clock = tank, clock

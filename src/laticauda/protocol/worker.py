@@ -158,6 +158,9 @@ class Clock:
 def urgent() -> Generator[str]:
     """Give this thread priority over those of all `Worker`, and these over other programs; lock memory.
 
+    With it they share one core: only one of them runs at a time anyway (Python's lock), and on two cores the others
+    would take turns with this one, which doubles the time of a tick.
+
     This is done as far as the system allows: Linux does for root, and for users permitted by `ulimit -r` and `-l`.
 
     Yields:
@@ -165,19 +168,22 @@ def urgent() -> Generator[str]:
     """
     workers = [thread.native_id for thread in threading.enumerate() if thread.name.startswith(NAME)]
     urgency = {**{number: DEVICES for number in workers if number}, threading.get_native_id(): LOOP}
-    fixed, real_time = False, False
+    fixed, cores = False, list[int]()
     with suppress(AttributeError, OSError, TypeError):  # TypeError: on Windows, a library must have a name
         fixed = ctypes.CDLL(None).mlockall(PRESENT) == 0
     with suppress(AttributeError, OSError):
         for number, priority in urgency.items():
             os.sched_setscheduler(number, os.SCHED_FIFO, os.sched_param(priority))
-        real_time = True
+        cores = sorted(os.sched_getaffinity(0))
+        for number in urgency:
+            os.sched_setaffinity(number, {cores[os.getpid() % len(cores)]})
     try:
-        granted = "real-time priority" if real_time else "the priority of any program, for the system allows no other"
+        granted = "real-time priority" if cores else "the priority of any program, for the system allows no other"
         yield f"The loop has {granted}, and memory that {'stays in place' if fixed else 'may be swapped out'}."
     finally:
         for number in urgency:
             with suppress(AttributeError, OSError):  # a worker may have ended
                 os.sched_setscheduler(number, os.SCHED_OTHER, os.sched_param(0))
+                os.sched_setaffinity(number, cores)
         if fixed:
             ctypes.CDLL(None).munlockall()

@@ -91,5 +91,5 @@ class Nothing(Pressed):
 
 def test_the_loop_asks_it_in_every_tick():
     devices = Devices(clock=Clock(), bus=Nothing(), mocap=Nothing())
-    assert devices.receive()[0].events == {}
-    assert replace(devices, stop=Pressed()).receive()[0].events == {"emergency_input": "its contact on CTS is open"}
+    assert devices.receive({})[0].events == {}
+    assert replace(devices, stop=Pressed()).receive({})[0].events == {"emergency_input": "its contact on CTS is open"}
