@@ -120,6 +120,11 @@ TARGETS = (
         ),
         warm=_swim,
     ),
+    Target(
+        files=_estimation("learning", "stretches"),
+        tests=("tests/estimation/test_learning.py", "tests/estimation/test_stretches.py"),
+        warm=_swim,
+    ),
 )
 
 
