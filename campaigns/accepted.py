@@ -112,7 +112,7 @@ def run_one(fault: str, seed: int) -> Row:
     with tempfile.TemporaryDirectory() as folder:
         done = operate(what, Path(folder), tank=tank, twin=plant, show=show, frames=False)
     words = f"{what.robot} {what.gait.kind} {'path' if what.following else 'open'}"
-    if done.verdict is None or (not done.accepted and not done.reason.startswith("The run is not right")):
+    if done.verdict is None or (not done.accepted and not done.reason.startswith("The run failed a check")):
         return Row(fault, seed, words, "stopped", done.reason, math.nan, "")
     word = "noted" if done.accepted else "WRONG"
     first = min((one for one in done.verdict.checks if one.word == word), key=lambda one: one.since, default=None)

@@ -14,13 +14,13 @@ without noise: 3 of 3 parameters identified from 4 measurements (736 numbers); r
   water.normal_drag           1.5743 [1.4619, 1.6953]   true 1.4, +12.4%
   water.added_mass            1.2526 [1.1577, 1.3552]   true 1.2, +4.4%
 chi^2 out of range: 2212 at 721 degrees of freedom, where the stated noise gives 292.3 to 1403 in 99.9 % of all cases
-correlated residuals: 0.95 (center_of_mass), 0.88 (heading); intervals are up to 4.3 times as wide for it
+correlated residuals: 0.95 (center_of_mass), 0.88 (heading), which widens intervals by a factor of up to 4.3
   speeds: 0.37 %, left out 0.43 %
 with noise: 3 of 3 parameters identified from 4 measurements (736 numbers); residuals are 2 times the stated noise
   water.tangential_friction   0.2258 [0.2063, 0.2471]   true 0.2, +12.9%
   water.normal_drag           1.5975 [1.4599, 1.7481]   true 1.4, +14.1%
   water.added_mass            1.2566 [1.1513, 1.3715]   true 1.2, +4.7%
-correlated residuals: 0.81 (heading); intervals are up to 1.9 times as wide for it
+correlated residuals: 0.81 (heading), which widens intervals by a factor of up to 1.9
   speeds: 0.44 %, left out 0.51 %
 
 Where the trials begin is unknown. The ratio of friction to drag comes out within 1 %, and speeds are predicted to half

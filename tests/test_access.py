@@ -47,7 +47,7 @@ def test_on_all_addresses_numbers_are_answered_and_on_one_that_one_alone():
 )
 def test_a_page_of_another_origin_is_refused_also_of_another_port(origin):
     found = refusal("127.0.0.1", headers(Host="127.0.0.1:8080", Origin=origin))
-    assert found == f"This server answers its own pages, and none of {origin!r}."
+    assert found == f"This server answers only its own pages, none of {origin!r}."
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.2", "127.0.0.1.example"])
@@ -78,7 +78,7 @@ def test_pages_and_their_sockets_have_the_token_in_their_address():
         assert refusal("0.0.0.0", asked, path, TOKEN) == ""
     for path in ("", "/", "*", "/?" + TOKEN, f"/a/{TOKEN}", f"/{TOKEN}a", "/%30" + TOKEN[1:], TOKEN[:-1]):
         why = refusal("0.0.0.0", asked, path, TOKEN)
-        assert why == "This server answers whoever has its token: open the address that it printed, as a whole."
+        assert why == "This server requires its token: open the complete address that it printed."
     evil = headers(Host="10.0.0.7:80", Origin="http://evil.example")
     assert "its own pages" in refusal("0.0.0.0", evil, f"/{TOKEN}/", TOKEN)
 

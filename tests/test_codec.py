@@ -140,7 +140,7 @@ def test_a_kind_can_be_said_in_several_ways(table, spring):
         (
             {"first": {"limit": 1, "limit_deg": 1}},
             "first.limit_deg",
-            "must not be given beside `limit`, which says the same in rad",
+            "must not be given together with `limit`, the same in rad",
         ),
         (
             {"first": {"limit_deg": 400}},

@@ -21,7 +21,7 @@ def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"x = \xff", r"a\.toml: is not a text in UTF-8 \(invalid start byte at byte 4\)$"),
+        (b"x = \xff", r"a\.toml: is not UTF-8 text \(invalid start byte at byte 4\)$"),
         (b"x = ", r"a\.toml: is not valid TOML: Invalid value"),
         (b"x = " + b"[" * 100_000, r"a\.toml: is not valid TOML: nested too deeply$"),
         (b"x = 1" + b"0" * 5000, r"a\.toml: is not valid TOML: Exceeds the limit"),
@@ -46,7 +46,7 @@ def test_what_is_no_file_is_refused(tmp_path: Path):
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device")
 def test_what_never_ends_is_not_read_to_its_end():
-    with pytest.raises(RobotFileError, match="is longer than 64 MiB, which no file of this kind is"):
+    with pytest.raises(RobotFileError, match="is larger than 64 MiB, too large for a file of this kind"):
         read_text("/dev/zero", RobotFileError)
 
 
@@ -155,7 +155,7 @@ def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
             folder.chmod(0o777)
     done = subprocess.run([sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False)
     assert done.returncode != 0
-    assert "a.txt: cannot be written: it is read-only; put that right, or name another place." in done.stderr
+    assert "a.txt: cannot be written: it is read-only; correct this, or name another place." in done.stderr
     assert (file.read_text(), os.listdir(tmp_path)) == ("old", ["a.txt"])
 
 
@@ -174,5 +174,5 @@ def test_a_number_that_is_not_finite_is_null_in_json():
 
 
 def test_an_empty_text_is_the_name_of_no_file():
-    with pytest.raises(StorageFailed, match="'': an empty text is the name of no file"):
+    with pytest.raises(StorageFailed, match="'': an empty text is not the name of a file"):
         read_text("")

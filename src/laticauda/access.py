@@ -50,7 +50,7 @@ class Door:
         """Warning for the person who starts the server; "" if there is none."""
         if self.host in LOCAL:
             return ""
-        return f"Whoever reaches {self.host} and has the token is answered; nothing is encrypted, the token neither."
+        return f"Anyone who reaches {self.host} and has the token is served; nothing is encrypted, not even the token."
 
     def url(self, port: int) -> str:
         """Return the address of the server's page, including the token.
@@ -81,9 +81,9 @@ class Door:
         if len(hosts) != 1 or not _is_ours(self.host.lower(), hosts[0].lower()):
             return f"This server is at {self.host}, and not at {', '.join(hosts)[:80]!r}."
         if origins not in ([], [f"http://{hosts[0]}"]):
-            return f"This server answers its own pages, and none of {', '.join(origins)[:80]!r}."
+            return f"This server answers only its own pages, none of {', '.join(origins)[:80]!r}."
         if not self.admits(path.partition("?")[0].strip("/").partition("/")[0]):
-            return "This server answers whoever has its token: open the address that it printed, as a whole."
+            return "This server requires its token: open the complete address that it printed."
         return ""
 
 

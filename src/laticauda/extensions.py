@@ -109,11 +109,11 @@ class Unknown:
         return hash(self.kind)
 
     def __repr__(self) -> str:
-        return f"<{self.kind}, which nobody here defines>"
+        return f"<{self.kind}, which is not defined here>"
 
     def __call__(self, *_: object) -> Any:
         """Raise an error: a stand-in cannot replace a formula."""
-        raise ValueError(f"`{self.kind}` is not known here: nobody has defined it; import the module that does.")
+        raise ValueError(f"`{self.kind}` is not defined here; import the module that defines it.")
 
     @property
     def written(self) -> dict[str, Any]:

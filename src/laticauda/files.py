@@ -36,10 +36,10 @@ def local(path: str | os.PathLike[str]) -> Path:
     """
     place = Path(path)
     if str(path) == "":
-        raise StorageFailed("'': an empty text is the name of no file")
+        raise StorageFailed("'': an empty text is not the name of a file")
     if place.parts and place.parts[0][2:].endswith(":"):  # a drive name has a single letter
         shown = str(path).replace("://", ":/").replace(":/", "://")  # a path has lost a slash
-        raise StorageFailed(f"{shown}: is an address; give a path on this computer, and copy from or to there besides")
+        raise StorageFailed(f"{shown}: is an address; give a path on this computer, and copy the files separately")
     return place
 
 
@@ -89,12 +89,12 @@ def read_text(
         raise error(f"{path}: is a folder, not a file") from None
     except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
         if getattr(failure, "errno", None) == errno.EFBIG:
-            raise error(f"{path}: is longer than {most_bytes >> 20} MiB, which no file of this kind is") from None
+            raise error(f"{path}: is larger than {most_bytes >> 20} MiB, too large for a file of this kind") from None
         raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as failure:
-        raise error(f"{path}: is not a text in UTF-8 ({failure.reason} at byte {failure.start})") from None
+        raise error(f"{path}: is not UTF-8 text ({failure.reason} at byte {failure.start})") from None
 
 
 def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFailed) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def read_rows(
     (_, names), *rows = rows or [(1, [])]
     for number, row in rows:
         if len(row) != len(names):
-            raise error(f"{path}: row {number}: it must have a cell per column.")
+            raise error(f"{path}: row {number}: it must have one cell per column.")
     return names, [(number, dict(zip(names, row, strict=True))) for number, row in rows]
 
 
@@ -234,7 +234,7 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
                 shutil.copymode(target, new)
             new.replace(target)
     except OSError as error:
-        reason, advice = error.strerror or error, "make room there" if is_full(error) else "put that right"
+        reason, advice = error.strerror or error, "make room there" if is_full(error) else "correct this"
         raise StorageFailed(f"{path}: cannot be written: {reason}; {advice}, or name another place.") from error
     finally:
         if is_plain:

@@ -89,7 +89,7 @@ def _formula(kind: type[Any]) -> Formula:
     hints = hints_of(kind)
     for name, hint in hints.items():
         if hint not in (float, bool, int):
-            raise BadArgument(name, f"of {kind.__name__} must be a number: another formula is another class")
+            raise BadArgument(name, f"of {kind.__name__} must be a number; write another class for another formula")
     if len(hints) > MOST_NUMBERS:
         raise ValueError(f"`{kind.__name__}` must have at most {MOST_NUMBERS} numbers, got {len(hints)}.")
     return Formula(name=kind.__name__, function=kind.__call__, fields=tuple(hints))

@@ -97,7 +97,7 @@ class Command:
                 continue
             if joints.prescribed:
                 rule = "must be None for prescribed joints, which can neither jump nor go limp"
-                raise BadArgument(name, f"{rule}; take `joints` = `servo` or `pd`, got {len(values)} of them")
+                raise BadArgument(name, f"{rule}; use `joints` = `servo` or `pd`, got {len(values)} of them")
             n, most = robot.n_joints, len(robot.driven_joints)
             if len(values) not in (n, most):
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
@@ -142,11 +142,11 @@ class Start:
     """Start of a run: straight, and at rest unless it has a forward velocity."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR)
-    heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
-    velocity: float = quantity("m/s", "Forward, along the body", default=0.0, ge=-100.0, le=100.0)
-    depth: float | None = quantity("m", "Axis depth at the center of mass, free root; None: its place's", default=None)
+    heading: float = quantity("rad", "Direction in which the robot points", default=0.0, ge=-FAR, le=FAR)
+    velocity: float = quantity("m/s", "Forward speed, along the body", default=0.0, ge=-100.0, le=100.0)
+    depth: float | None = quantity("m", "Axis depth at mass center, free root; None: the environment's", default=None)
     pitch: float = quantity("rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi)
-    roll: float = quantity("rad", "About its axis; positive lifts its left side", default=0.0, ge=-math.pi, le=math.pi)
+    roll: float = quantity("rad", "About its axis; positive lifts the left side", default=0.0, ge=-math.pi, le=math.pi)
 
     def check_planar(self) -> None:
         """Reject a start out of the plane, for a body that stays in it."""
@@ -160,7 +160,7 @@ class Start:
 class Resumed:
     """Start of a run that continues another one: the final state of the plant."""
 
-    state: Mapping[str, Any] = option("The state's arrays by name, as `Plant.pack` gives them")
+    state: Mapping[str, Any] = option("The state's arrays by name, as `Plant.pack` returns them")
 
     def __post_init__(self) -> None:
         """Store plain numbers, which can be compared and saved."""
@@ -215,8 +215,8 @@ class Controller(Extensible, Generic[State], group="controllers"):
 class OpenLoop(Controller[None]):
     """Controller that ignores observations: one command from start to end."""
 
-    command: Command = option("Held all the time")
-    interval: float = quantity("s", "Between two control instants; infinite: asked once", default=math.inf, gt=0.0)
+    command: Command = option("Command that is always held")
+    interval: float = quantity("s", "Time between control instants; infinite: called once", default=math.inf, gt=0.0)
 
     @property
     def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field

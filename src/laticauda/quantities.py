@@ -216,7 +216,7 @@ def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
             name, number = degrees_of(kind)[key], given.pop(key)
             declared = quantities_of(kind)[name]
             if name in given:
-                raise BadArgument(key, f"must not be given beside `{name}`, which says the same in {declared.unit}")
+                raise BadArgument(key, f"must not be given together with `{name}`, the same in {declared.unit}")
             given[name] = None if number is None else math.radians(declared.in_degrees.checked(key, number))
         init(self, **given)
 

@@ -153,7 +153,7 @@ def test_a_swim_loads_neither_plots_nor_files_unless_asked():
     [
         (KeyboardInterrupt(), 130, "laticauda: stopped.\n"),
         (MemoryError(), 2, "laticauda: there is not enough memory; try a shorter run, or fewer samples.\n"),
-        (OverflowError("too much"), 2, "laticauda: a number is out of every range: too much.\n"),
+        (OverflowError("too much"), 2, "laticauda: a number is out of range: too much.\n"),
         (PermissionError(13, "Permission denied", "a.nc"), 2, "laticauda: a.nc: permission denied.\n"),
         (FileNotFoundError(2, "No such file or directory", "b"), 2, "laticauda: b: no such file or directory.\n"),
         (OSError("no space"), 2, "laticauda: no space.\n"),
@@ -323,7 +323,4 @@ def test_a_second_ctrl_c_ends_it_at_once():
 def test_a_mistyped_command_is_told_the_nearest(run):
     done = run("swimm")
     assert (done.status, done.err) == (2, "laticauda: there is no command `swimm`; did you mean `swim`?\n")
-    assert (
-        run("nonsense").err
-        == "laticauda: there is no command `nonsense`; `laticauda --help` lists those that there are.\n"
-    )
+    assert run("nonsense").err == "laticauda: there is no command `nonsense`; `laticauda --help` lists all commands.\n"

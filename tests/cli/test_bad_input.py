@@ -48,8 +48,8 @@ BAD = {
     # water and ground
     "swim --water mamba": "no water preset named `mamba`",
     "swim --ground paper-eel": "no ground preset named `paper-eel`",
-    "swim --ground viscous --water paper-eel": "--water must not be given with `ground`: it belongs to water.",
-    "swim --water paper-eel --parameters mine.toml": "--parameters must not be given with `water`: both say what",
+    "swim --ground viscous --water paper-eel": "--water must not be given with `ground`: it applies to water only.",
+    "swim --water paper-eel --parameters mine.toml": "--parameters must not be given with `water`: both define",
     "swim --ground viscous --parameters mine.toml": "--parameters must not be given with `ground`",
     "swim --parameters nofile.toml": "nofile.toml: no such file",
     "swim --parameters wrong.toml": "wrong.toml: key `kind`: must be \"parameters\" here, got 'robot'",
@@ -78,7 +78,7 @@ BAD = {
     "swim --current text.toml": "--current: text.toml: ",
     "swim --current vortex cor=1": "--current vortex: `cor` is not known; did you mean `core`?",
     "swim --current vortex core=-1": "--current vortex: `core` must be > 0 m, got -1.",
-    "swim --current vortex core": "--current must be a preset or a file and NAME=NUMBER ..., as swell height=0.2, got",
+    "swim --current vortex core": "--current must be a preset or a file and NAME=NUMBER ..., such as swell height=0.2",
     "swim --current turbulence seed=0.5": "--current turbulence: `seed` must be a whole number >= 0, got 0.5.",
     "swim --current nomodule:Flow": "--current must be a name or MODULE:CLASS, got nomodule:Flow",
     "swim --current 0.1 vortex": "--current must be a number, got 'vortex'.",
@@ -100,7 +100,7 @@ BAD = {
     "swim --plot picture.jpg": "--plot must be a file that ends in .png or .pdf or .svg, got picture.jpg.",
     "swim --plot nofolder/p.png": "--plot must be a file in a folder that exists, got nofolder/p.png.",
     "swim --resume nofile.nc": "Cannot read nofile.nc: no such file or directory.",
-    "swim --resume text.toml": "Cannot load text.toml: it is no netCDF file",
+    "swim --resume text.toml": "Cannot load text.toml: it is not a netCDF file",
     "swim --resume a.nc --robot mamba": "--robot must not be given with --resume",
     "swim --resume a.nc --offset-deg 0": "--offset-deg must not be given with --resume",
     "swim --resume a.nc --link-forces": "--link-forces must not be given with --resume",
@@ -114,13 +114,13 @@ BAD = {
     "robots nope": "NAME must be one of `amphibot`, `chain`, `mamba`,",
     "robots paper-eal": "got 'paper-eal'; did you mean `paper-eel`?",
     "robots nope.toml": "nope.toml: no such file",
-    "robots --toml": "--toml must be given with the NAME of what to print.",
+    "robots --toml": "--toml must be given with the NAME to print.",
     "robots mamba --toml --json": "--toml must not be given together with --json.",
     "trial": "Expected one of {show, compare, plot, convert}.",
     "trial shwo a.nc": "Available subcommands: show, compare, plot, convert",
     "trial show": "Missing from laticauda trial show",
     "trial show nofile.nc": "Cannot read nofile.nc: no such file or directory.",
-    "trial show text.toml": "Cannot load text.toml: it is no netCDF file",
+    "trial show text.toml": "Cannot load text.toml: it is not a netCDF file",
     "trial compare": "FILES must hold at least 2 trials to compare, got 0.",
     "trial compare nofile.nc a.nc": "Cannot read nofile.nc",
     "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .nc or .mcap or .parquet or .mat or .csv, got",
@@ -158,4 +158,4 @@ def test_a_folder_without_permission_is_refused_before_the_run(run, monkeypatch,
     monkeypatch.setattr("laticauda.simulate.swim", lambda *args, **settings: pytest.fail("it swam"))
     done = run(f"swim {option}")
     assert done.status == 2
-    assert "must be a file that may be written, got run" in done.err
+    assert "must be a writable file, got run" in done.err

@@ -43,7 +43,7 @@ def test_it_prints_one_line_with_its_address_and_serves_a_page_there():
 def test_another_host_is_warned_of():
     process = started("--port", "0", "--host", "0.0.0.0")
     assert process.stdout.readline().startswith("http://0.0.0.0:")
-    assert "Whoever reaches 0.0.0.0 and has the token is answered" in ended(process)[1]
+    assert "Anyone who reaches 0.0.0.0 and has the token is served" in ended(process)[1]
 
 
 def test_a_port_that_is_taken_is_said(capsys):

@@ -11,7 +11,7 @@ def test_the_next_trials_are_listed_with_their_reasons_and_drawn(run, folder: Pa
     assert "The best 3 of 9 candidates, criterion D." in done.out
     assert "what is known now" in done.out
     assert "best tow: " in done.out
-    assert "After the best 3 trials that swim, water.tangential_friction is " in done.out
+    assert "After the best 3 swimming trials, water.tangential_friction is " in done.out
     assert (folder / "next.png").stat().st_size > 0
 
 
@@ -60,7 +60,7 @@ def test_a_tank_day_begins_with_a_list_of_runs_and_its_empty_tables_say_what_to_
     assert (folder / "day" / "swim.csv").read_text().startswith("time_s,x_m,y_m,yaw_deg,joint_1_deg,")
     again = run("design-experiment --tank-day day")
     assert again.status == 2
-    assert "Nothing was filled" in again.err
+    assert "No file was filled in" in again.err
 
 
 def test_bad_input_is_named(run):

@@ -42,12 +42,12 @@ def test_one_driver_alone_is_tried_and_what_comes_is_told_with_its_rate_and_age(
 
 def test_a_driver_to_which_nothing_comes_fails_and_one_that_cannot_be_is_refused(capsys):
     assert main(["drivers", "--bus", "virtual:nobody-is-here", "--duration", "0.1"]) == 1
-    assert "Nothing comes." in capsys.readouterr().err
+    assert "No data." in capsys.readouterr().err
     for words, message in (
         (["--mocap", "127.0.0.1:1"], "The motion capture at 127.0.0.1:1 cannot be reached"),
         (["--mocap", "cameras@127.0.0.1:1"], "--mocap must be one of `qtm`"),
         (["--stop", "/dev/nothing"], "The emergency-stop input at /dev/nothing cannot be read"),
-        (["--bus", "virtual:a", "--meter", "b"], "--meter must not be given beside --bus: one driver is tried alone"),
+        (["--bus", "virtual:a", "--meter", "b"], "--meter must not be given with --bus: drivers are tried one at a"),
     ):
         assert main(["drivers", *words]) == 2
         assert message in capsys.readouterr().err

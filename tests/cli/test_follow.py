@@ -67,11 +67,11 @@ def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
         ("--guidance model-predictive --speed 0", "--speed must be > 0 m/s, got 0"),
         (
             "--guidance model-predictive --frequency-deg-s 90 --frequency-limits-deg-s 100 120",
-            "--frequency-limits-deg-s must hold the gait's frequency of 1.571 rad/s between them, got 1.745 and 2.094.",
+            "--frequency-limits-deg-s must enclose the gait's frequency of 1.571 rad/s, got 1.745 and 2.094.",
         ),
         (
             "--guidance model-predictive --frequency-limits-deg-s 120 60",
-            "--frequency-limits-deg-s must be 0 < least < greatest in rad/s, got 2.0944 and 1.0472.",
+            "--frequency-limits-deg-s must be 0 < smallest < largest in rad/s, got 2.0944 and 1.0472.",
         ),
         ("--look-ahead-distance 0", "--look-ahead-distance must be > 0 m, got 0"),
         ("--waypoints 0 0", "must"),

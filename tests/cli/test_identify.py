@@ -38,7 +38,7 @@ def test_trials_become_a_parameter_file_a_report_and_a_table(run, folder: Path, 
     done = run(f"identify {files} --parameters {FRICTION} --robot mamba --measured center_of_mass=0.004 {FAST}")
     assert (done.status, done.err) == (0, "")
     assert "1 of 1 parameters identified from 3 measurements" in done.out
-    assert "and 9 numbers of where the trials began." in done.out
+    assert "and 9 numbers for where the trials began." in done.out
     out = folder / "identification"
     kept = lc.load_parameters(out / "parameters.toml")
     assert kept.joints == "prescribed"
@@ -93,7 +93,7 @@ figures = {{forward_velocity = 0.003}}
     kept = lc.load_parameters(folder / "a" / "parameters.toml")
     assert (kept.name, kept.title, kept.every_gait.added_mass) == ("tank", "in the tank", 1.4)
     assert kept.changes == {"actuator": {"tracking": 1.0}}
-    assert "not be given beside tank.toml" in run("identify tank.toml --parameters water.normal_drag").err
+    assert "not be given with tank.toml" in run("identify tank.toml --parameters water.normal_drag").err
 
 
 def test_bad_input_is_named(run, folder: Path, trials: Path):
@@ -101,9 +101,9 @@ def test_bad_input_is_named(run, folder: Path, trials: Path):
     (folder / "bad.toml").write_text('kind = "identification"\nparameter = []\n')
     one, other = trials / "run-0.nc", trials / "other.nc"
     cases = {
-        "identify all.toml --table1": "--table1 must not be given beside all.toml, which says all, got True.",
-        "identify": "FILE must be a TOML file that says everything, or at least one trial, got none.",
-        f"identify {one}": "--parameters must name at least one number to identify",
+        "identify all.toml --table1": "--table1 must not be given with all.toml, which defines all, got True.",
+        "identify": "FILE must be one TOML task file, or at least one trial, got none.",
+        f"identify {one}": "--parameters must name at least one parameter",
         f"identify {one} --parameters water.normal_drug": "'water.normal_drug'; the nearest are",
         f"identify {one} --parameters {DRAG}=a:b": "--parameters must be NAME, NAME=LOW:HIGH or NAME=MEAN+-SD",
         f"identify {one} --parameters {DRAG} {FRICTION} --measured forward_velocity=0.01": "at least 3 numbers",
@@ -181,7 +181,7 @@ def test_laws_stand_side_by_side_with_null_models(run, folder: Path):
         kept = lc.load_parameters(folder / "identification" / name / "parameters.toml")
         assert kept.name == f"identified-{name}"
     both = run(f"identify --table speeds.csv --parameters {FRICTION} {laws} --base paper {FAST}")
-    assert both.status == 2 and "--laws must not be given beside" in both.err
+    assert both.status == 2 and "--laws must not be given together with" in both.err
 
 
 def test_ctrl_c_after_the_search_leaves_what_was_found(run, folder: Path, monkeypatch):
@@ -191,5 +191,5 @@ def test_ctrl_c_after_the_search_leaves_what_was_found(run, folder: Path, monkey
     monkeypatch.setattr("laticauda.identify.validation.leave_out", stop)
     done = run(f"identify --table1 --parameters {FRICTION} {FAST}")
     assert done.status == 1
-    assert "interrupted: these are the best values until then" in done.out
+    assert "interrupted: these are the best values so far" in done.out
     assert (folder / "identification" / "identify.html").exists()

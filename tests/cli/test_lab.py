@@ -55,8 +55,8 @@ def test_whoever_opens_the_lab_to_others_is_warned(capsys):
     words = ["lab", "--bus", "udp_multicast:239.74.163.95:43194", "--hops", "1", "--host", "0.0.0.0", "--port", "0"]
     assert main([*words, "--duration", "0.1"]) == 0
     captured = capsys.readouterr()
-    assert "Anyone who reaches 0.0.0.0 can read the cameras: the protocol knows no passwords." in captured.err
-    assert "can move the robot: a CAN bus knows no passwords." in captured.err
+    assert "Anyone who reaches 0.0.0.0 can read the cameras: the protocol has no passwords." in captured.err
+    assert "can move the robot: a CAN bus has no passwords." in captured.err
     assert "this computer only" not in captured.out
 
 

@@ -86,8 +86,8 @@ def test_a_check_says_that_all_devices_are_well_and_keeps_nothing(lab, trial, tm
         assert main(["operate", trial, "--check", "--output", str(tmp_path / "runs"), *words(addresses)]) == 0
         assert not any(node.is_on for node in lab.tank.nodes)
     out, err = capsys.readouterr()
-    assert "All devices are well." in out
-    assert "8 modules and the motion capture are heard" in err
+    assert "All devices are OK." in out
+    assert "8 modules and the motion capture respond" in err
     assert not (tmp_path / "runs").exists()
 
 
@@ -99,7 +99,7 @@ def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_p
     file.write_text(f'kind = "series"\nname = "s"\n[common]\n{common}{trials}', encoding="utf-8")
     with lab as addresses:
         assert main(["operate", str(file), "--check", "--output", str(tmp_path / "runs"), *words(addresses)]) == 0
-    assert capsys.readouterr().out.count("All devices are well.") == 1
+    assert capsys.readouterr().out.count("All devices are OK.") == 1
     assert not (tmp_path / "runs").exists()
 
 
@@ -157,7 +157,7 @@ def test_what_was_learnt_is_told_and_learnt_again(file: Path, tmp_path: Path, ca
     assert main(["replay", str(tmp_path / "a.mcap"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["learned"][1] == {"time": 2.5, "changes": [], **told}
     assert main(["replay", str(file), "--learn"]) == 0
-    assert "Learned: nothing, of so few cycles." in capsys.readouterr().out
+    assert "Learned: nothing, from so few cycles." in capsys.readouterr().out
 
 
 def test_estimator_and_controller_run_again(file: Path, capsys: pytest.CaptureFixture[str]):
@@ -174,7 +174,7 @@ def test_a_recording_that_ends_in_the_middle_says_what_is_missing(
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(file.read_bytes()[: int(0.8 * file.stat().st_size)])
     assert main(["replay", str(cut)]) == 1
-    assert "cut.mcap is not whole" in capsys.readouterr().err
+    assert "cut.mcap is not intact" in capsys.readouterr().err
 
 
 def test_a_broken_file_is_refused_in_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -182,7 +182,7 @@ def test_a_broken_file_is_refused_in_one_sentence(tmp_path: Path, capsys: pytest
     broken.write_bytes(b"no recording")
     assert main(["replay", str(broken)]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "it is no MCAP file" in said
+    assert said.count("\n") == 1 and "it is not an MCAP file" in said
     assert main(["replay", str(tmp_path / "none.mcap")]) == 2
     assert "no such file" in capsys.readouterr().err
 
@@ -191,4 +191,4 @@ def test_a_recording_without_a_clock_has_no_timing_to_draw(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     assert main(["replay", str(file), "--plot-timing", str(tmp_path / "timing.png")]) == 2
-    assert "--plot-timing must go with a recording of a loop that had a clock" in capsys.readouterr().err
+    assert "--plot-timing must be used with a recording of a loop that had a clock" in capsys.readouterr().err

@@ -74,7 +74,7 @@ def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch
         context.setattr(sweep, "swim_points", stop)
         done = run(f"optimize {SHORT}")
     assert (done.status, done.out) == (130, "")
-    assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to go on.\n"
+    assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to resume.\n"
     resumed = run(f"optimize {SHORT}")
     assert resumed.out == run(f"optimize {SHORT.replace(' a', ' b')}").out.replace("b/", "a/")
 
@@ -82,7 +82,7 @@ def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch
 def test_where_nothing_is_feasible_it_ends_with_status_1(run):
     done = run(f"optimize --objective steady-velocity {SHORT}")
     assert done.status == 1
-    assert "24 points tried, 24 of them not feasible; none is left" in done.out
+    assert "24 points tried, 24 of them not feasible; none is feasible" in done.out
 
 
 def test_the_names_are_listed(run):
@@ -94,14 +94,14 @@ def test_the_names_are_listed(run):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("--vary amplitude-deg=1:2:3", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'ampl.*3'"),
-        ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'amplitude-deg'"),
+        ("--vary amplitude-deg=1:2:3", "--vary must be NAME=LOW:HIGH, such as amplitude-deg=10:50, got 'ampl.*3'"),
+        ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH, such as amplitude-deg=10:50, got 'amplitude-deg'"),
         ("--vary amplitud-deg=1:2", "got 'amplitud-deg'; the nearest are `amplitude-deg`"),
         ("--vary amplitude-deg=2:1", "--vary must have low < high, got 'amplitude-deg=2:1'."),
         ("--vary amplitude-deg=-3:3", "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl"),
         ("--vary n-links=5.5:8", "robot.n_links. must be a whole number, got 5.5"),
         ("--objective speed", "--objective must be one of `speed-power`, .* got 'speed'; did you mean `speed-power`"),
-        ("--objective mean-power mean-power", "--objective must be one, or two that differ, got mean_power, m"),
+        ("--objective mean-power mean-power", "--objective must be one, or two different ones, got mean_power"),
         ("--budget 10", "--budget must be a whole number >= 100, got 10"),
         ("--population 2", "--population must be a whole number >= 4, got 2"),
         ("--threads 0", "--threads must be a whole number >= 1, got 0"),
@@ -148,7 +148,7 @@ def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(monkeypatch
     values = np.array([[np.radians(20.0), 1.0], [np.radians(20.0), 2.0], [np.radians(15.0), 2.0]])
     figures = {name: np.arange(3.0) for name in sweep.QUANTITIES}
     front = Front(optimization=sought, values=values, figures=figures, n_trials=9, n_infeasible=0, seed=0)
-    words = "there may be better beyond; widen it with --vary."
+    words = "the best may be beyond it; widen it with --vary."
     said = f"amplitude-deg is 20.00 deg at 2 of the 3 points, the greatest of its range: {words}"
     assert said in _text(front, Path("a"))
     alone = replace(front, values=values[:1], figures={name: column[:1] for name, column in figures.items()})

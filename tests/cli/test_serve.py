@@ -41,7 +41,7 @@ def test_whoever_opens_the_server_to_others_is_warned():
         server.send_signal(signal.SIGINT)
         assert server.wait(20) == 0
         told = server.stderr.read()
-        assert "Whoever reaches 0.0.0.0 and has the token is answered; nothing is encrypted" in told
+        assert "Anyone who reaches 0.0.0.0 and has the token is served; nothing is encrypted" in told
         assert line.split()[3].rstrip(")") not in told
 
 
@@ -56,7 +56,7 @@ def test_the_schema_of_the_messages_is_printed_and_nobody_is_served(capsys):
         (["--port", "70000"], "--port must be between 0 and 65535, got 70000."),
         (["--max-clients", "0"], "--max-clients must be a whole number >= 1, got 0."),
         (["--robots", "nofile.toml"], "nofile.toml: no such file"),
-        (["--robots", "folder/mamba.toml"], "--robots must have names of their own, got folder/mamba.toml"),
+        (["--robots", "folder/mamba.toml"], "--robots must have unique names, got folder/mamba.toml"),
         (["--host", "nowhere.invalid"], "The server cannot listen at nowhere.invalid:5055: "),
     ],
 )

@@ -66,7 +66,7 @@ def test_points_can_come_from_a_file(run, folder: Path):
 def test_the_names_are_those_of_the_options_where_there_is_one(run):
     out = run("sweep --robot mamba-fin --names").out
     assert re.search(r"^frequency-deg-s +deg/s +omega", out, re.MULTILINE)
-    assert re.search(r"^robot.caudal-fin.length +m +Length from the root", out, re.MULTILINE)
+    assert re.search(r"^robot.caudal-fin.length +m +Length from root", out, re.MULTILINE)
     help = run("swim --help").out
     plain = [vary.spelled(parameter) for parameter in KNOWN.values() if "." not in vary.spelled(parameter)]
     plain = [word for word in plain if not word.startswith("current")]
@@ -97,11 +97,11 @@ def test_degrees_are_in_the_name():
         ("--vary amplitude-deg=1:2:x", "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2:x'"),
         (
             "--vary amplitude-deg=1:2:0",
-            "--vary must have a COUNT that is a whole number >= 1, got 'ampl",
+            "--vary must have a whole COUNT between 1 and 10000000, got 'ampl",
         ),
         ("--vary amplitude-deg=1,", "--vary must be NAME=LOW:HIGH:COUNT"),
         ("--vary amplitud-deg=1:2:3", "got 'amplitud-deg'; the nearest are `amplitude-deg`"),
-        ("--vary amplitude-deg=1 gait.amplitude=2", "--vary must name a parameter once, got 'gait.amplitude' again"),
+        ("--vary amplitude-deg=1 gait.amplitude=2", "--vary must name each parameter only once, got 'gait.amplitude'"),
         (
             "--vary amplitude-deg=-3:3:5",
             "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl",
@@ -112,9 +112,9 @@ def test_degrees_are_in_the_name():
         ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
         ("--list nothing.csv", "nothing.csv: no such file"),
         ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
-        ("--list strange.csv", "--list of strange.csv must name what the robot, gait or water has, got 'colour'"),
-        ("--list negative.csv", "--list of negative.csv must be within the bounds of what is swept"),
-        ("--list ragged.csv", "ragged.csv: row 3: it must have a cell per column"),
+        ("--list strange.csv", "--list of strange.csv must name a parameter of robot, gait or water, got 'colour'"),
+        ("--list negative.csv", "--list of negative.csv must be within the bounds of the parameters"),
+        ("--list ragged.csv", "ragged.csv: row 3: it must have one cell per column"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
         ("--list words.csv --samples 3", "--list must not be given together with --vary or --samples"),
         ("--vary amplitude-deg=1 --output file", "--output must be a folder, got the file file"),
@@ -156,7 +156,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         context.setattr(sweep, "collected", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
-    assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to go on.\n"
+    assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to resume.\n"
     assert run(f"sweep {POINTS} {SHORT}").status == 0
     assert open_sweep(folder / "a").n_finished == 6
 

@@ -91,10 +91,10 @@ def test_a_run_of_another_length_than_the_measured_says_so(run):
     [
         ("", "paper-lateral (the paper's for lateral undulation)"),
         ("--gait eel-like", "paper-eel (the paper's for eel-like motion)"),
-        ("--gait custom --envelope 1 1 1 1 1 1 1 0.5", "paper-lateral (the paper's for lateral undulation, in want of"),
-        ("--water paper-vortex", "paper-vortex (as asked for)"),
+        ("--gait custom --envelope 1 1 1 1 1 1 1 0.5", "paper-lateral (the paper's for lateral undulation, for lack"),
+        ("--water paper-vortex", "paper-vortex (as requested)"),
         ("--normal-drag 2", "paper-lateral with normal_drag 2 (the paper's for lateral undulation)"),
-        ("--ground viscous", "viscous (as asked for): friction viscous, tangential 0.5 N s/m per link, normal"),
+        ("--ground viscous", "viscous (as requested): friction viscous, tangential 0.5 N s/m per link, normal"),
     ],
 )
 def test_the_table_says_which_coefficients_and_where_from(run, options, said):
@@ -186,7 +186,7 @@ def test_a_trial_with_a_law_of_its_own_cannot_be_resumed(run):
     replace(trial, scenario=replace(trial.scenario, model=unknown)).save("mine.nc")
     done = run("swim --resume mine.nc")
     assert done.status == 2
-    assert "cannot be run here: nobody has defined its `my-law`" in done.err
+    assert "cannot be run here: its `my-law` is not defined" in done.err
 
 
 WILD = "swim --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
@@ -354,6 +354,6 @@ def test_a_trial_is_saved_in_the_formats_that_convert_writes(run, folder: Path):
 
 def test_what_is_not_available_is_said_in_words_of_the_command(run):
     text = " ".join(run("swim --duration 5").out.split())
-    assert "Not available: electrical power, total power. Nothing says what the motors draw: give --joints" in text
+    assert "Not available: electrical power, total power. The power of the motors is unknown: give --joints" in text
     assert "The run must span at least" in text
     assert "`time`" not in text and "electrical_work" not in text

@@ -116,7 +116,7 @@ def test_a_log_without_a_map_and_a_map_with_a_mistake_are_refused_by_name(run, s
     run("trial convert bare.nc log.csv")
     refused = run("trial show log.csv")
     assert refused.status == 2
-    assert "does not say what swam; give a column map (`columns`, on the command line --columns)" in refused.err
+    assert "does not state the robot; give a column map (`columns`, on the command line --columns)" in refused.err
     (folder / "map.toml").write_text(MAP.replace("position", "positions"))
     refused = run("trial show log.csv --columns map.toml")
     assert refused.status == 2
@@ -173,7 +173,7 @@ def test_without_a_screen_the_message_says_what_to_do_instead(swum, monkeypatch)
     done = swum("view run.nc")
     assert done.status == 2
     assert done.err == (
-        "laticauda: A window needs a screen, and there is none here; write a film with `--video FILE.mp4` or a picture "
+        "laticauda: A window needs a screen, but there is none here; write a film with `--video FILE.mp4` or a picture "
         "with `--still FILE.png` instead.\n"
     )
 
@@ -183,7 +183,7 @@ def test_a_screen_that_cannot_be_used_is_no_crash(swum, monkeypatch):
     monkeypatch.setitem(sys.modules, "glfw", types.SimpleNamespace(init=lambda: False))
     done = swum("view run.nc")
     assert done.status == 2
-    assert "A window needs a screen, and the one that is named here cannot be used; write a film" in done.err
+    assert "A window needs a screen, but the one that is set here cannot be used; write a film" in done.err
 
 
 def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monkeypatch, folder):
@@ -227,7 +227,7 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monk
         ("--video run.avi", "--video must be a file that ends in .mp4, got run.avi."),
         ("--still run.jpg", "--still must be a file that ends in .png, got run.jpg."),
         ("--still run.png --time 3", "--time must be between 0 and 1 s, got 3.0."),
-        ("--time 1", "--time must be given with --still: it is the moment of the picture."),
+        ("--time 1", "--time must be given with --still: it is the time of the picture."),
         ("--video run.mp4 --speed 0", "--speed must be > 0, got 0."),
         ("--video run.mp4 --size 128 73", "--size must be even for a video, got (128, 73)."),
         ("--video run.mp4 --size 12 72", "--size must be a whole number >= 64, got 12."),
@@ -253,7 +253,7 @@ def test_one_trial_is_drawn_as_a_sheet_and_several_in_one_figure(run, folder: Pa
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("trial plot --output a.png", "FILES must name one trial or more."),
+        ("trial plot --output a.png", "FILES must name one or more trials."),
         ("trial plot a.nc --output a.gif", "--output must be a file that ends in .png or .pdf or .svg, got a.gif."),
     ],
 )

@@ -109,7 +109,7 @@ def test_a_recording_that_nobody_writes_any_more_is_said_and_the_next_one_in_the
     aged(tmp_path / "a-1.mcap", 12.0)
     text = shown(cockpit)
     assert "**2.00, 1.00 m**" in text
-    assert text.endswith("**Nothing was written for 12 s: it is drawn where it was last.**")
+    assert text.endswith("**Nothing has been written for 12 s: the last position is shown.**")
     with recorder(tmp_path / "a-2.mcap") as recording:
         recording.record(estimate(5.0, 0.1))
     assert "**5.00, 1.00 m**" in shown(cockpit)
@@ -142,7 +142,7 @@ def test_of_a_long_recording_only_the_end_is_read(tmp_path):
 
 def test_a_file_that_is_no_recording_is_said_in_one_sentence(tmp_path):
     (tmp_path / "a.mcap").write_bytes(b"no")
-    assert "it is no MCAP file" in Feed(tmp_path).look()
+    assert "it is not an MCAP file" in Feed(tmp_path).look()
     assert "no such file" in Feed(tmp_path / "b.mcap").look().lower()
 
 

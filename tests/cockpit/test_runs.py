@@ -32,7 +32,7 @@ def test_what_another_process_has_read_is_the_trial_bit_for_bit(saved):
 @LINUX
 def test_a_file_that_needs_too_much_memory_is_refused_and_the_page_goes_on(saved, monkeypatch):
     monkeypatch.setattr(runs, "ROOM", 1 << 20)  # less than it has already: whatever it asks for next, it does not get
-    with pytest.raises(TrialFileError, match=r"Cannot load mine\.nc: whoever reads it ended at once, or at 1 MiB\."):
+    with pytest.raises(TrialFileError, match=r"Cannot load mine\.nc: its reader ended at once, or exceeded 1 MiB\."):
         runs.foreign_trial(saved, "mine.nc")
 
 

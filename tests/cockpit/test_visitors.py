@@ -117,7 +117,7 @@ def test_junk_leaves_one_line_and_no_traceback(own, caplog, capfd, junk):
     with caplog.at_level(logging.INFO):
         assert own.messages(sends=junk) == 1011
     (record,) = [one for one in caplog.records if one.levelno >= logging.WARNING]
-    assert record.getMessage().startswith("A page was hung up on: ") and record.exc_info is None
+    assert record.getMessage().startswith("A page was disconnected: ") and record.exc_info is None
     assert "\n" not in record.getMessage()
     assert "Traceback" not in "".join(capfd.readouterr())
     assert own.messages() is True

@@ -108,7 +108,7 @@ UNKNOWN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("pa
     ("frequencies", "change", "message"),
     [
         ((1.0, 2.0), {}, "`trials` must have at least 3 different frequencies, got 2"),
-        ((1.0, 1.5, 2.0), {"signals": {}}, "`trials` must have an offset that turns the robot in at least one of them"),
+        ((1.0, 1.5, 2.0), {"signals": {}}, "`trials` must include at least one with a nonzero offset"),
         ((1.0, 1.5, 2.0), {"scenario": UNKNOWN}, r"`trials\[0\]` must have a gait that moves, got None"),
         ((1.0, 1.5, 2.0), {"not_measured": ("work",)}, "measured `work` for an averaged model"),
     ],
@@ -122,7 +122,7 @@ def test_trials_of_different_gaits_are_refused():
     trials = [swum(frequency) for frequency in (1.0, 1.5, 2.0)]
     slower = replace(trials[1].gait, amplitude=0.3)
     trials[1] = replace(trials[1], scenario=replace(trials[1].scenario, motion=slower))
-    with pytest.raises(ValueError, match="`trials` must be of one gait but for its frequency and offset, got 2 gaits"):
+    with pytest.raises(ValueError, match="`trials` must share a gait except for frequency and offset, got 2 gaits"):
         fit_averaged(trials)
 
 

@@ -69,7 +69,7 @@ def test_a_mean_remembers_one_window_only():
 def test_time_must_grow():
     law = HeadingEstimate(window=1.0)
     state, _ = law.step(law.init(), 1.0, 0.0)
-    with pytest.raises(ValueError, match=r"`time` must grow from step to step, got 1\.0 s and then 1\.0 s"):
+    with pytest.raises(ValueError, match=r"`time` must increase from step to step, got 1\.0 s and then 1\.0 s"):
         law.step(state, 1.0, 0.0)
 
 

@@ -214,7 +214,7 @@ def test_waypoints_that_make_no_path_are_refused(path, points, message):
 
 
 def test_what_cannot_be_followed_is_refused():
-    with pytest.raises(ValueError, match=r"with a direction, but it turns on the spot at \(1, 0\)"):
+    with pytest.raises(ValueError, match=r"with a direction everywhere, but it turns on the spot at \(1, 0\)"):
         Spline(waypoints=((0, 0), (1, 0), (0, 0)))
     with pytest.raises(ValueError, match="`acceptance_distance` must be >= 0 m, got -1"):
         Polyline(waypoints=((0, 0), (1, 0)), acceptance_distance=-1)

@@ -51,4 +51,4 @@ def test_c_shows_the_token_and_says_where_nobody_listens(example, server):
         assert (done.returncode, done.stdout) == (1, "")
         assert done.stderr.startswith("The first message must hold the `token`")
     done = run(example, "127.0.0.1", port)
-    assert (done.returncode, done.stderr) == (1, "Nobody listens there: begin with `laticauda serve`.\n")
+    assert (done.returncode, done.stderr) == (1, "No server listens there: start one with `laticauda serve`.\n")

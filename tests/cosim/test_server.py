@@ -42,7 +42,7 @@ def test_a_message_of_the_longest_length_is_read_and_a_longer_one_ends_the_conne
     most = MESSAGE_BYTES - 1 - len(start) - len(end)
     assert len(client.line(start + b"a" * most + end)["id"]) == most
     reply = client.line(start + b"a" * (most + 1) + end)
-    assert reply == {"error": f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye."}
+    assert reply == {"error": f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye."}
     assert client.is_let_go()
 
 
@@ -111,7 +111,7 @@ def test_one_client_too_many_is_told_to_come_back(connect, server):
     for client in clients:
         client.ask("reset")
     late = connect()
-    assert late.heard() == {"error": "The server has its 6 clients; come back later."}
+    assert late.heard() == {"error": "The server already has 6 clients, its maximum; try again later."}
     assert late.is_let_go()
     clients[0].close()
     until(lambda: len(server._clients) == 5)

@@ -235,7 +235,7 @@ def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ask("reset", joints="pd", dt=0.5, coefficients={"normal_drag": 50.0, "tangential_friction": 50.0})
     assert "diverged at t = " in ask("step", duration=50.0)["error"]
-    assert ask("step", duration=0.1)["error"].endswith("`reset` begins anew.")
+    assert ask("step", duration=0.1)["error"].endswith("`reset` starts again.")
     assert "error" not in ask("reset")
     assert "error" not in ask("step", duration=0.1)
 
@@ -244,7 +244,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ("request_", "fields", "message"),
     [
         ("stop", {}, "`do` must be one of `reset`, `step`, `set`, `get`, `run`, got 'stop'"),
-        ("get", {"protocol": 2}, "`protocol` must be 1, which it speaks, got 2."),
+        ("get", {"protocol": 2}, "`protocol` must be 1, the server's version, got 2."),
         ("step", {}, "`duration` must be a number in s, got None."),
         ("step", {"duration": 0}, "`duration` must be > 0 s, got 0."),
         (
@@ -309,9 +309,9 @@ def test_a_world_must_be_there_first(ask, request_):
     ("line", "message"),
     [
         (b"hello", "A message must be one line of JSON; it is not: Expecting value"),
-        (b"\xff\xfe", "got bytes that are no text."),
+        (b"\xff\xfe", "got bytes that are not text."),
         (b"[1, 2]", "A message must be a JSON object with the field `do`, got list."),
-        (b"[" * 500_000, "A message must be one line of JSON, got brackets that are nested too deep."),
+        (b"[" * 500_000, "A message must be one line of JSON, got brackets that are nested too deeply."),
         (b'{"do": "get", "id": NaN}', "A message must hold finite numbers only, got NaN."),
         (b'{"do": "get", "id": 1e999}', "A message must hold finite numbers only, got 1e999."),
         (b'{"do": "get", "id": ' + b"9" * 10_000 + b"}", "Exceeds the limit"),

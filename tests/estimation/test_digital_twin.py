@@ -145,7 +145,7 @@ def test_what_cannot_be_the_twin_is_refused():
         Estimator(robot=robot, plant=lc.plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"))
     with pytest.raises(ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"):
         Estimator(robot=robot, plant=lc.plant(robot, water))
-    with pytest.raises(ValueError, match=r"`swim_speed` must be None beside a `plant`, which knows it, got 0\.1\."):
+    with pytest.raises(ValueError, match=r"`swim_speed` must be None with a `plant`, which determines it, got 0\.1\."):
         Estimator(robot=robot, plant=BODY, swim_speed=0.1)
     with pytest.raises(ValueError, match=r"`coupling` must be >= 0, got -1"):
         Estimator(robot=robot, plant=BODY, coupling=-1.0)

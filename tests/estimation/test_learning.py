@@ -9,6 +9,7 @@ from estimation.swims import GAIT, jammed, samples, swum
 
 import laticauda as lc
 from laticauda.estimation import JointSample, Learned, Learner, Learning, Mount, PoseSample, ReferenceSample
+from laticauda.estimation.learning import LEAST, MEDIAN
 
 GUESS = lc.load_water("paper-lateral")
 TRUE = {"normal_drag": 2.1, "tangential_friction": 0.25, "current_x": 0.006, "current_y": -0.004}
@@ -146,6 +147,24 @@ def test_what_is_known_is_told_with_intervals_of_95_percent():
     assert learned.line == "normal drag 2.0000 ± 0.1960, play 0.0040 ± 0.0020 rad, current x -0.0123 ± 0.0196 m/s"
 
 
+def test_a_cycle_is_odd_beyond_the_doubt_in_deviations_of_noise_and_opening():
+    taught, n_cycles, n_rows = learner(), 2 * LEAST, 12
+    opening = float(taught._opening[0])
+    size = 2.0 * n_rows * opening**2  # noise and opening count alike
+    noise = np.tile([1.0, -1.0], (2 * (n_cycles + 1), n_rows // 2)) * math.sqrt(size * MEDIAN)
+    design = np.zeros((*noise.shape, taught._opening.size))
+    design[..., 0] = 1.0
+    usual = LEAST * (2.0 * size * n_rows + size**2 / opening**2) / (n_cycles + LEAST)
+    limit = taught.settings.doubt * math.sqrt(usual)
+    for share, is_odd in ((0.99, False), (1.01, True)):
+        off = noise.copy()
+        off[-2:, :2] += share * limit / 4.0  # of all rows the medians stay as they are
+        assert taught._is_odd(off, design) == is_odd
+    off = noise.copy()
+    off[-2:, :2] += limit
+    assert not taught._is_odd(off[-2 * LEAST :], design[-2 * LEAST :])  # too few before it
+
+
 def test_before_the_gait_begins_no_more_than_a_moment_is_remembered(good):
     taught = learner()
     state = taught.init()
@@ -161,7 +180,7 @@ def test_what_cannot_be_learnt_is_refused():
         Learning(window=2.0)
     on_ground = lc.plant(MAMBA, lc.load_ground("coulomb"), joints="servo")
     with pytest.raises(
-        ValueError, match="`plant` must be in water for anything to be learnt, got the ground `coulomb`"
+        ValueError, match="`plant` must be in water for anything to be learned, got the ground `coulomb`"
     ):
         Learner(robot=MAMBA, plant=on_ground)
     with pytest.raises(ValueError, match="`plant` must have joints that follow references"):

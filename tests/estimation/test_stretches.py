@@ -45,6 +45,18 @@ def test_a_robot_that_swims_as_its_twin_is_hardly_off_it(trial):
     assert np.abs(way[0]).max() > 10.0
 
 
+def test_the_choice_of_world_axes_does_not_matter(trial):
+    seen, turn = stretches(trial), 1.1
+    time, x, y, yaw = seen.poses
+    c, s = math.cos(turn), math.sin(turn)
+    turned = replace(seen, poses=np.stack((time, c * x - s * y, s * x + c * y, yaw + turn)))
+    current = np.array([0.01, -0.02])
+    along = np.array([c * current[0] - s * current[1], s * current[0] + c * current[1]])
+    for one, other in zip(seen.off(TWIN, 0.0, current), turned.off(TWIN, 0.0, along), strict=True):
+        assert other[0] + 1j * other[1] == pytest.approx((one[0] + 1j * one[1]) * np.exp(1j * turn), abs=1e-5)
+        assert other[2] == pytest.approx(one[2], abs=1e-5)
+
+
 def test_water_that_drags_more_puts_it_off(trial):
     other = replace(TWIN, environment=replace(WATER, normal_drag=1.1 * WATER.normal_drag))
     off, _ = stretches(trial).off(other, 0.0, STILL)

@@ -82,7 +82,7 @@ def test_the_vortices_of_a_street_drive_each_other_at_the_speed_at_which_it_move
 
 
 def test_vortices_that_would_overlap_are_refused():
-    with pytest.raises(ValueError, match=r"`core` must be <= 0.43, half the way between vortices, got 0.5"):
+    with pytest.raises(ValueError, match=r"`core` must be <= 0.43, half the vortex spacing, got 0.5"):
         KarmanStreet(strouhal=1.0, core=0.5)
 
 
@@ -144,5 +144,5 @@ def test_a_seed_gives_the_same_water_again_and_another_seed_other_water():
 
 
 def test_eddies_the_smallest_of_which_are_the_largest_are_refused():
-    with pytest.raises(ValueError, match=r"`smallest` must be < 4 m, the largest eddies, got 5"):
+    with pytest.raises(ValueError, match=r"`smallest` must be < `largest` = 4 m, got 5"):
         Turbulence(smallest=5.0)

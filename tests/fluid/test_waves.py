@@ -143,7 +143,7 @@ def test_runs_in_seas_side_by_side_are_those_of_each_alone_and_a_sea_goes_throug
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"period": 1.0, "length": 3.0}, r"`length` must be 1.561 m, that of the period, got 3"),
+        ({"period": 1.0, "length": 3.0}, r"`length` must be 1.561 m, as follows from the period, got 3"),
         ({"period": 2.0, "depth": 0.2, "length": 6.2}, r"`length` must be 2.7\d* m"),
         ({"height": 2.0}, r"`height` must be <= 0.8868 m, where waves 6.245 m long break, got 2"),
         ({"depth": 0.05}, r"`height` must be <= 0.0438\d m, where waves 1.389 m long break, got 0.1"),
@@ -174,5 +174,5 @@ def test_a_robot_below_the_bed_of_its_waves_is_refused():
     water, waves = load_water("paper-lateral"), Waves(height=0.05, period=1.5, depth=0.9)
     assert replace(water, current=waves, depth=0.9).depth == 0.9
     for current in (waves, Waves() + waves):
-        with pytest.raises(ValueError, match=r"`depth` must be <= 0.9 m, where the bed of its flow is, got 1.5"):
+        with pytest.raises(ValueError, match=r"`depth` must be <= 0.9 m, the bed depth of its flow, got 1.5"):
             replace(water, current=current, depth=1.5)

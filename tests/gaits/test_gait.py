@@ -136,7 +136,7 @@ def test_a_gait_refuses(changes: dict[str, Any], message: str):
     ("kind", "message"),
     [
         ("eellike", r"`kind` must be one of .*, got 'eellike'; did you mean `eel-like`\?"),
-        ("custom", r"`kind` must be an envelope that needs no values, got `custom`; take `Custom\(values=...\)`\."),
+        ("custom", r"`kind` must be an envelope that needs no values, got `custom`; use `Custom\(values=...\)`\."),
         (3, r"`kind` must be the name of an envelope, got 3\."),
     ],
 )

@@ -163,9 +163,9 @@ def test_the_command_line_takes_a_table_or_a_trial(tmp_path, capsys):
     [
         ("time_s,joint_2_deg\n0,1\n1,2\n", "must have a column `time_s` and columns `joint_1_deg`"),
         ("joint_1_deg\n1\n2\n", "must have a column `time_s`"),
-        ("time_s,joint_1_deg\n0,1\n0,2\n", "must be two times or more that increase"),
+        ("time_s,joint_1_deg\n0,1\n0,2\n", "must be at least two increasing times"),
         ("time_s,joint_1_deg\n0,1\n1,left\n", "could not convert"),
-        ("time_s,joint_1_deg\n", "two times|indices"),
+        ("time_s,joint_1_deg\n", "two increasing times|indices"),
         ("time_s,joint_1_deg\n0,1\n1,nan\n", "must be a finite number"),
     ],
 )
@@ -175,7 +175,7 @@ def test_a_table_that_makes_no_sense_is_refused(tmp_path, text, match):
 
 
 def test_another_number_of_joints_is_refused():
-    with pytest.raises(ValueError, match="`recorded` must have angles of every yaw joint, 9, got 2"):
+    with pytest.raises(ValueError, match="`recorded` must have angles of all 9 yaw joints, got 2"):
         swum(lc.recorded_gait(ANGLES), robot=lc.load_robot("chain"))
     with pytest.raises(ValueError, match=r"`angle\[0\]` must have one angle per time, 2, got 1"):
         lc.JointAngles(time=(0.0, 1.0), angle=((0.0,),))

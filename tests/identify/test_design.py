@@ -84,7 +84,7 @@ def test_swimming_does_not_see_the_common_scale_and_a_tow_does(choice):
     assert found.swimming[0] > 1.0  # friction
     assert found.sigma[-1][0] < 0.05
     assert any(one.group != "swim" for one, _ in found.steps)
-    assert found.reasons[-1].startswith("After the best 4 trials that swim, `water.tangential_friction` is ")
+    assert found.reasons[-1].startswith("After the best 4 swimming trials, `water.tangential_friction` is ")
 
 
 def test_the_force_of_a_tow_says_the_friction_in_closed_form():

@@ -37,7 +37,7 @@ def test_a_trial_with_the_parameter_file_is_what_the_fit_predicts(found):
 
 def test_what_a_parameter_file_cannot_say_is_refused_but_a_robot_can_have_it():
     other = fit(speeds(2, duration=4.0), parameters=["robot.module.mass"], n_starts=1, threads=1)
-    with pytest.raises(ValueError, match=r"a parameter file has a table for, got `robot.module.mass`"):
+    with pytest.raises(ValueError, match=r"a parameter file can hold, got `robot.module.mass`"):
         other.parameters("tank", "in the tank")
     assert other.robot(FINNED, "eel_like").modules[0].mass == other["robot.module.mass"].value
 

@@ -232,7 +232,7 @@ def test_residuals_are_listed_by_measurement(noisy):
     assert sum(row["in standard deviations [-]"] ** 2 for row in rows) == pytest.approx(noisy.chi2)
     assert rows[0]["group"] == "lateral undulation, without fin" and rows[0]["unit"] == "m/s"
     assert 0.0 < noisy.percentage_error() < 10.0
-    with pytest.raises(ValueError, match="`figure` must be one that was measured, of forward_velocity, got 'x'"):
+    with pytest.raises(ValueError, match=r"`figure` must be one that was measured \(forward_velocity\), got 'x'"):
         noisy.percentage_error("x")
 
 
@@ -270,12 +270,12 @@ def test_bad_input_is_refused_by_name():
     refused(r"got 'water.friction'; the nearest are .*`water.tangential_friction`", parameters=["water.friction"])
     refused(r"got 'measured.heading'; the nearest are .*`measured.heading_offset`", parameters=["measured.heading"])
     refused(r"numbers for `eel_like`|got 'eel_like.water.normal_drag'", parameters=["eel_like.water.normal_drag"])
-    refused(r"must not be of the gait, which is what was asked for", parameters=["gait.amplitude"])
+    refused(r"must not be of the gait, which was commanded", parameters=["gait.amplitude"])
     refused(r"got `robot.n_links`, a count", parameters=["robot.n_links"])
     refused(r"`parameters` must name every number once, got `water.normal_drag` 2 times", parameters=[DRAG, DRAG])
     refused(r"`parameters` must be a list of names, got .water.normal_drag", parameters=DRAG)
     refused(r"`parameters` must hold at least one number", parameters=[])
-    refused(r"must leave something to `water.normal_drag`", parameters=[DRAG, f"lateral_undulation.{DRAG}"])
+    refused(r"must leave measurements for `water.normal_drag`", parameters=[DRAG, f"lateral_undulation.{DRAG}"])
     refused(r"`noise` must be one of", noise="loud")
     refused(r"`n_starts` must be a whole number >= 1", n_starts=0)
     refused(r"`joints` must be one of", joints="rubber")
@@ -283,7 +283,7 @@ def test_bad_input_is_refused_by_name():
 
 def test_a_figure_that_a_trial_does_not_have_is_refused():
     short = [replace(m, figures={"steady_velocity": (0.1, 0.01)}) for m in speeds(2, duration=3.0)]
-    refused(r"`figures` of `trial 0` must be ones that its simulation has, got steady_velocity", short)
+    refused(r"`figures` of `trial 0` must be ones that its simulation yields, got steady_velocity", short)
 
 
 def test_a_measurement_that_diverges_in_simulation_is_named():

@@ -71,7 +71,7 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
 @pytest.mark.parametrize(
     "fields, words",
     [
-        ({"name": " "}, "`name` must be a text"),
+        ({"name": " "}, "`name` must be a non-empty text"),
         ({"figures": {}}, "`figures` or `series` of `a` must hold something"),
         ({"figures": {"x": (np.nan, 0.1)}}, r"`figures\['x'\]` of `a` must be a finite number in m, got nan"),
         ({"figures": {"x": (1.0, 0.0)}}, "must be > 0 m"),
@@ -79,7 +79,7 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
         ({"figures": {"x": (1e200, 0.1)}}, r"must be <= 1e\+07 m"),
         ({"figures": {"speed": (1.0, 0.1)}}, "`figures` of `a` must be one of"),
         ({"selected_from": 0}, "`selected_from` of `a` must be a whole number >= 1"),
-        ({"time": TIME}, "`time` of `a` must be given for series, and only for them"),
+        ({"time": TIME}, "`time` of `a` must be given with series, and only with series"),
         ({"time": TIME, "series": {"heading": (np.zeros(4), 0.1)}}, r"must have shape \(5\), got \(4,\)"),
         ({"time": TIME, "series": {"center_of_mass": (np.zeros((5, 3)), 0.1)}}, r"must have shape \(5, 2\)"),
         ({"time": TIME, "series": {"heading": (np.full(5, np.nan), 0.1)}}, "finite numbers only, got nan at sample 0"),

@@ -118,5 +118,5 @@ def test_the_twin_predicts_what_the_planar_model_does():
 
 def test_no_two_names_may_say_the_same():
     measured = speeds(2)
-    with pytest.raises(ValueError, match=r"`parameters` must say once per measurement what `water.normal_drag` is for"):
+    with pytest.raises(ValueError, match=r"`parameters` must list `water.normal_drag` once per measurement at most"):
         make_problem(measured, ["lateral_undulation.water.normal_drag", "trial 0.water.normal_drag"])

@@ -69,9 +69,9 @@ def test_a_row_may_say_its_robot_and_noise_and_settings_may_repeat(written):
     [
         ({"v_m_s": 15.0}, "`v_m_s` of 15 at `omega_deg_s` of 130"),
         ({"omega_deg_s": 2.3}, "`v_m_s` of 0.15 at `omega_deg_s` of 2.3"),
-        ({"omega_deg_s": 0.36}, "further than anything swims; is one in another unit, as cm/s, rad/s or Hz?"),
-        ({"alpha_deg": 0.52}, "column `alpha_deg` goes to 0.52, which can hardly be deg; is it in rad?"),
-        ({"delta_deg": 0.7}, "column `delta_deg` goes to 0.7"),
+        ({"omega_deg_s": 0.36}, "more than anything swims; is one in another unit, such as cm/s, rad/s or Hz?"),
+        ({"alpha_deg": 0.52}, "column `alpha_deg` only reaches 0.52, too little for deg; is it in rad?"),
+        ({"delta_deg": 0.7}, "column `delta_deg` only reaches 0.7"),
         ({"omega_rad_s": 2.3}, "row 1: column `omega_rad_s` is not known; did you mean `omega_deg_s`?"),
         ({"v_cm_s": 15}, "row 1: column `v_cm_s` is not known; did you mean `v_m_s`?"),
         ({"config": "fin", "robot": "amphibot"}, "`config` must be nofin for `amphibot`, which has no caudal fin"),
@@ -84,7 +84,7 @@ def test_wrong_units_and_wrong_robots_are_refused_by_name(written, changes, word
 
 
 def test_a_table_without_a_power_has_none_to_identify_from(written):
-    with pytest.raises(TrialFileError, match="no row of it has a mean power"):
+    with pytest.raises(TrialFileError, match="none of its rows has a mean power"):
         from_table(written(ROW), "mean_power")
 
 

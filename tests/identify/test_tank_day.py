@@ -102,7 +102,7 @@ def test_the_drag_area_is_that_of_the_straight_robot(judged):
 
 def test_what_was_not_done_is_said(judged):
     *_, found = judged
-    assert "Without turn.csv the data tell less: RUNS.md says what it is for." in found.verdict
+    assert "Without turn.csv the data tell less: RUNS.md explains what it is for." in found.verdict
     assert not any("glide.csv" in sentence for sentence in found.verdict)
 
 
@@ -137,7 +137,7 @@ def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):
     (tmp_path / "day" / "swim.toml").write_text("mine")
     assert tank_day.begin(tmp_path / "day", ROBOT) == []
     assert (tmp_path / "day" / "swim.toml").read_text() == "mine"
-    with pytest.raises(TrialFileError, match=r"Nothing was filled"):
+    with pytest.raises(TrialFileError, match=r"No file was filled in"):
         tank_day.evaluate(tank_day.load_day(tmp_path / "day"))
     (tmp_path / "day" / "tows.csv").write_text("speed_m_s,angle_deg,drag_n\n0.4,15,1.0\n")
     with pytest.raises(TrialFileError, match=r"tows.csv: row 1: column"):

@@ -116,7 +116,7 @@ def test_the_person_at_the_tank_does_what_a_line_says():
     assert "Lines: a fault (frame_loss, " in assist(tank, "help")
     with pytest.raises(
         ValueError,
-        match=r"`carry` must have three numbers, x y \[m\] and heading \[deg\], and a depth \[m\] in space, got '1 2'",
+        match=r"`carry` must have three numbers, x y \[m\] and heading \[deg\], and in space a depth \[m\], got '1 2'",
     ):
         assist(tank, "carry 1 2")
     with pytest.raises(ValueError, match="did you mean `leak`"):

@@ -227,7 +227,7 @@ def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
     with pytest.raises(ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."):
         VirtualRobot(robot, plant(robot, water))
     many = load_robot("mamba", 21)
-    with pytest.raises(ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's among them, got 20\."):
+    with pytest.raises(ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's included, got 20\."):
         Tank(VirtualRobot(many, plant(many, water, joints="servo")))
     with pytest.raises(ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"):
         VirtualRobot(load_robot("mamba-modules"), plant(robot, water, joints="servo"))

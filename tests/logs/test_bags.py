@@ -38,7 +38,7 @@ def test_a_recording_is_copied_as_it_is_and_one_without_its_end_is_refused(tmp_p
     content = (tmp_path / "tank.mcap").read_bytes()
     assert (tmp_path / "bag" / "bag_0.mcap").read_bytes() == content
     (tmp_path / "cut.mcap").write_bytes(content[:-40])
-    with pytest.raises(TrialFileError, match=r"cut\.mcap is not whole: .* `laticauda replay --save` makes a trial"):
+    with pytest.raises(TrialFileError, match=r"cut\.mcap is not intact: .* `laticauda replay --save` makes a trial"):
         write_bag(tmp_path / "cut.mcap", tmp_path / "other")
     assert not (tmp_path / "other").exists()
 
@@ -47,6 +47,6 @@ def test_a_folder_that_holds_something_is_left_alone(tmp_path, make_trial):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(StorageFailed, match="must be a new or an empty folder; name another one"):
         write_bag(make_trial(duration=1.0), tmp_path)
-    with pytest.raises(StorageFailed, match=r"none/bag: cannot be made: no such file or directory\."):
+    with pytest.raises(StorageFailed, match=r"none/bag: cannot be created: no such file or directory\."):
         write_bag(make_trial(duration=1.0), f"{tmp_path}/none/bag")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]

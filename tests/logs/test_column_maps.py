@@ -68,7 +68,7 @@ def test_files_are_found_beside_the_map(tmp_path):
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + BODY.replace('yaw = "h"', ""),
-            "key `body.yaw`: must be given, or `quaternion` or `rotation`, and just one",
+            "key `body.yaw`: must be given, or `quaternion` or `rotation`, exactly one",
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + 'length_unit = "inch"\n',
@@ -88,11 +88,11 @@ def test_files_are_found_beside_the_map(tmp_path):
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + '[frame]\nx = "x"\ny = "-x"\n',
-            "key `frame.y`: must be another axis than `x` = 'x', got '-x'",
+            "key `frame.y`: must be a different axis from `x` = 'x', got '-x'",
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + '[power]\ncurrent = "I"\n',
-            "key `power.column`: must be given, or `current` and `voltage`, and not both",
+            "key `power.column`: must be given, or `current` and `voltage`, but not both",
         ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + '[time]\ncolumn = "t"\nrate = 10\n',

@@ -178,13 +178,13 @@ def test_where_nothing_can_be_read_the_reason_is_given(tmp_path):
 @pytest.mark.parametrize("content", [b"", b"x", b"time,heading\n0,1\n" * 100, b"\x89HDF\r\n\x1a\n" + bytes(600)])
 def test_a_file_that_is_no_netcdf_is_refused(path, content):
     path.write_bytes(content)
-    with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is no netCDF file, or it is damaged\."):
+    with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\."):
         load_trial(path)
 
 
 def test_a_netcdf_file_of_something_else_is_refused(path):
     xarray.Dataset({"temperature": ("time", [1.0, 2.0])}).to_netcdf(path)
-    with pytest.raises(TrialFileError, match="it is a netCDF file, but no trial of laticauda"):
+    with pytest.raises(TrialFileError, match="it is a netCDF file, but not a trial of laticauda"):
         load_trial(path)
 
 
@@ -192,7 +192,7 @@ def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
     make_trial().save(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr("laticauda_trial", 99)
-    with pytest.raises(TrialFileError, match="it has format 99, and this version of laticauda reads format 2"):
+    with pytest.raises(TrialFileError, match="it has format 99, but this version of laticauda reads format 2"):
         load_trial(path)
 
 
@@ -256,7 +256,7 @@ def test_a_file_that_was_cut_off_is_refused(full_trial, path):
     content = path.read_bytes()
     for size in (1, 100, 4096, len(content) // 2, len(content) - 200):
         path.write_bytes(content[:size])
-        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is no netCDF file, or it is damaged\."):
+        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\."):
             load_trial(path)
 
 

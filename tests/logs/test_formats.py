@@ -77,7 +77,7 @@ def test_a_folder_that_does_not_exist_is_said(full_trial, ending, tmp_path):
 
 def test_a_table_alone_does_not_say_what_swam(full_trial, tmp_path):
     full_trial.save(tmp_path / "run.csv")
-    with pytest.raises(TrialFileError, match="does not say what swam; give a column map"):
+    with pytest.raises(TrialFileError, match="does not state the robot; give a column map"):
         load_trial(tmp_path / "run.csv")
 
 
@@ -170,14 +170,14 @@ def test_a_mat_file_that_crashes_its_library_is_refused(tmp_path, place):
     content = bytearray(path.read_bytes())
     content[place] ^= 1 if place == 232 else 1 << 7
     path.write_bytes(content)
-    with pytest.raises(TrialFileError, match=r"run\.mat: it is no \.mat file, or it is damaged"):
+    with pytest.raises(TrialFileError, match=r"run\.mat: it is not a \.mat file, or it is damaged"):
         load_trial(path)
 
 
 def test_a_mat_file_that_keeps_its_library_for_ever_is_refused(full_trial, tmp_path, monkeypatch):
     full_trial.save(tmp_path / "run.mat")
     monkeypatch.setattr("laticauda.logs.tabular._PATIENCE", 0.001)
-    with pytest.raises(TrialFileError, match=r"run\.mat: it is damaged: nobody can read it in 0\.001 s"):
+    with pytest.raises(TrialFileError, match=r"run\.mat: it is damaged: reading it takes longer than 0\.001 s"):
         load_trial(tmp_path / "run.mat")
 
 
@@ -210,7 +210,7 @@ def test_a_recording_is_no_trial(tmp_path):
 
     with Recorder(tmp_path / "lab.mcap") as recorder:
         recorder.scalar("/x", 0.0, 1.0)
-    with pytest.raises(TrialFileError, match=r"lab.mcap: it is a recording, but no trial"):
+    with pytest.raises(TrialFileError, match=r"lab.mcap: it is a recording, but not a trial"):
         load_trial(tmp_path / "lab.mcap")
 
 

@@ -430,7 +430,7 @@ def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
         path.write_text("\n".join(lines) + "\n")
         assert_same(load_trial(path, mapped(tmp_path, MAP + ENDS)), swum, places=1e-5, rates=5e-3)
     path.write_text("\n".join([*head, *rows[:-10]]) + "\n")
-    with pytest.raises(TrialFileError, match=r"NO_OF_FRAMES says 3001, and there are 2991 rows: is it cut off\?"):
+    with pytest.raises(TrialFileError, match=r"NO_OF_FRAMES says 3001, but there are 2991 rows: is it cut off\?"):
         load_trial(path, mapped(tmp_path, MAP + ENDS))
     path.write_text("\n".join([*head, *rows])[:-40] + "\n")
     with pytest.raises(TrialFileError, match=r"row 3007 must have 30 cells"):
@@ -444,11 +444,11 @@ def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
     ("change", "message"),
     [
         (lambda log: log | {"t": log["t"][::-1]}, r"`t` must increase strictly, got 30.0 s and then 29.99"),
-        (lambda log: log | {"t": 1e3 * log["t"]}, r"`t` must have steps of 1 s at most, got 10 s; is its unit ms\?"),
+        (lambda log: log | {"t": 1e3 * log["t"]}, r"`t` must have steps of at most 1 s, got 10 s; is its unit ms\?"),
         (lambda log: log | {"x": 1e3 * log["x"]}, r"must swim at most 5 lengths per second, .*; is `length_unit` mm\?"),
         (lambda log: log | {"phi_3": 60.0 * log["phi_3"]}, r"`joint_angle` must be between -pi and pi rad, got"),
         (lambda log: {k: v for k, v in log.items() if k != "yaw"}, r"The file has no column `yaw`.*; it has t, x, y"),
-        (lambda log: {k: v[:1] for k, v in log.items()}, r"`t` must have 2 samples at least"),
+        (lambda log: {k: v[:1] for k, v in log.items()}, r"`t` must have at least 2 samples"),
         (
             lambda log: {k: np.delete(v, range(500, 700)) for k, v in log.items()},
             r"`t` must have no gap longer than `longest_gap` = 0.1 s, got one of 2.01 s after 4.99 s",
@@ -464,11 +464,11 @@ def test_a_log_that_cannot_be_right_is_refused(swum, tmp_path, change, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", r"it is no text of columns, or it is empty"),
-        ("t,x\n", r"it must have a row of names and a row of numbers at least"),
+        ("", r"it is not a text file of columns, or it is empty"),
+        ("t,x\n", r"it must have at least a row of names and a row of numbers"),
         ("1,2\n3,4\n", r"row 1 must have the names of the columns, got 1, 2"),
         ("t,x,t\n1,2,3\n", r"row 1 must name every column once, got `t` twice"),
-        ("t,x\n1,2\n2\n", r"row 3 must have 2 cells as row 1 has, got 1"),
+        ("t,x\n1,2\n2\n", r"row 3 must have 2 cells, as row 1 has, got 1"),
         ("t,x,y,yaw\n0,0,0,0\n1,oops,0,0\n", r"Column `x` must hold numbers, got 'oops' in row 3"),
         ("NO_OF_FRAMES\t1\nDATA_INCLUDED\tanalog\n", r"DATA_INCLUDED must be 3D or 6D, got 'analog'"),
     ],

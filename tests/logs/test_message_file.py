@@ -26,7 +26,7 @@ def test_a_program_that_is_killed_loses_the_open_chunk_and_no_more(tmp_path):
     done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
     assert done.returncode == -signal.SIGKILL
     recording = open_recording(path)
-    assert recording.lost.startswith("run.mcap is not whole: it ends before its end")
+    assert recording.lost.startswith("run.mcap is not intact: it is truncated")
     found = [one.content["data"] for one in recording.messages()]
     assert found == list(range(len(found)))
     assert 257 - 11 <= len(found) <= 257

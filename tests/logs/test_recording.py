@@ -46,7 +46,7 @@ def test_wherever_a_file_is_cut_all_complete_chunks_are_recovered(content, tmp_p
     complete = sum(end <= cut for _, end in chunks(content))
     assert numbers(path) == list(range(10 * complete))
     if cut < len(content) - 40:  # with its footer a file counts as complete
-        assert "cut.mcap is not whole: it ends before its end" in open_recording(path).lost
+        assert "cut.mcap is not intact: it is truncated" in open_recording(path).lost
 
 
 def test_a_damaged_chunk_is_left_out_and_said(content, tmp_path):
@@ -95,5 +95,5 @@ def test_what_is_no_mcap_file_is_refused(tmp_path):
         open_recording(tmp_path / "none.mcap")
     path = tmp_path / "text.mcap"
     path.write_text("time,x\n")
-    with pytest.raises(TrialFileError, match="it is no MCAP file"):
+    with pytest.raises(TrialFileError, match="it is not an MCAP file"):
         open_recording(path)

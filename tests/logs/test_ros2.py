@@ -87,13 +87,13 @@ def test_bytes_that_make_no_sense_are_refused_or_read_but_nothing_else(cut, rubb
 
 
 def test_a_field_that_is_missing_or_does_not_fit_is_named():
-    with pytest.raises(ValueError, match="`std_msgs/Float64` must have a fitting `data`"):
+    with pytest.raises(ValueError, match="`std_msgs/Float64` must have a valid `data`"):
         encode("std_msgs/Float64", {})
-    with pytest.raises(ValueError, match="`builtin_interfaces/Time` must have a fitting `sec`"):
+    with pytest.raises(ValueError, match="`builtin_interfaces/Time` must have a valid `sec`"):
         encode("builtin_interfaces/Time", {"sec": 2**31, "nanosec": 0})
     frame = {"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}, "id": 1, "is_rtr": False}
     frame |= {"is_extended": False, "is_error": False, "dlc": 3, "data": b"abc"}
-    with pytest.raises(ValueError, match="fitting `data`: 8 values are needed, got 3"):
+    with pytest.raises(ValueError, match="valid `data`: 8 values are needed, got 3"):
         encode("can_msgs/Frame", frame)
 
 

@@ -59,9 +59,9 @@ def test_a_short_gap_is_a_straight_line():
     ("values", "message"),
     [
         ([0, np.nan, np.nan, 3], r"`x` must have no gap longer than `longest_gap` = 0.2 s, got one of 0.3 s from 0 s"),
-        ([np.nan, 1, 2, 3], r"`x` must hold numbers at both ends, and it begins at 0.1 s; cut it off by `start`"),
-        ([0, 1, np.nan, np.nan], r"`x` must hold numbers at both ends, and it ends at 0.1 s"),
-        ([np.nan] * 4, r"`x` must hold numbers, and it holds none from 0 s to 0.3 s"),
+        ([np.nan, 1, 2, 3], r"`x` must hold numbers at both ends, but it begins at 0.1 s; cut it off with `start`"),
+        ([0, 1, np.nan, np.nan], r"`x` must hold numbers at both ends, but it ends at 0.1 s"),
+        ([np.nan] * 4, r"`x` must hold numbers, but it holds none from 0 s to 0.3 s"),
     ],
 )
 def test_a_gap_that_cannot_be_filled_is_named(values, message):

@@ -821,9 +821,9 @@ def test_one_line_puts_a_stranger_s_model_in_water_and_says_what_it_left_out():
         handle = water.attach(Wrapped(model))
     said = [str(one.message) for one in caught]
     assert len(said) == 3
-    assert "takes the place of MuJoCo's own medium of 1.2 kg/m^3 and 0 Pa s" in said[0]
-    assert "geom `battery` lies in `hull` by 100 %: it is left out" in said[1] or "geom `battery`" in said[2]
-    assert any("geom `nose` lies in `hull` by" in one and "twice" in one for one in said)
+    assert "replaces MuJoCo's own medium of 1.2 kg/m^3 and 0 Pa s" in said[0]
+    assert "geom `battery` overlaps `hull` by 100 %: it is left out" in said[1] or "geom `battery`" in said[2]
+    assert any("geom `nose` overlaps `hull` by" in one and "twice" in one for one in said)
     assert [(e.body, e.shape) for e in handle.elements] == [("1", "ellipsoid"), ("1", "ellipsoid"), ("2", "cylinder")]
     assert model.opt.density == 0.0
     data = mujoco.MjData(model)
@@ -990,7 +990,7 @@ def test_a_geom_without_volume_is_refused_by_name():
 def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
     model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
     element = Element(body="b", drag=(2000.0,) * 3, law=PolynomialDrag(reference_speed=1.0))
-    with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s it is stable up to"):
+    with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s, steps are stable"):
         handle = water.attach(model, [element])
     limit = water.stable_step(model, handle.elements, 0.0)
     for factor, grows in ((0.9, False), (1.1, True)):

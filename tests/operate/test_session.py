@@ -247,7 +247,7 @@ def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_re
 
 def test_nothing_is_learnt_unless_it_is_asked_for_and_never_without_a_model(tmp_path: Path):
     assert operation().learning is None
-    with pytest.raises(ValueError, match="`twin` must be given where `learning` is, got None"):
+    with pytest.raises(ValueError, match="`twin` must be given with `learning`, got None"):
         operate(operation(**LEARNING), tmp_path, tank=tank())
     assert not list(tmp_path.iterdir())
 
@@ -275,7 +275,7 @@ def test_one_error_of_the_tick_stops_the_robot_and_not_the_program():
 
 def test_an_error_at_every_tick_gives_up_with_an_emergency_stop():
     swum = tank()
-    with pytest.raises(RuntimeError, match="given up with an emergency stop: ZeroDivisionError: a slip"):
+    with pytest.raises(RuntimeError, match="aborted with an emergency stop: ZeroDivisionError: a slip"):
         stepped(Failing(operation=operation(duration=20.0), fails=(6.0, math.inf)), swum)
     assert {node.state for node in swum.nodes} == {NodeState.FAULT}
 
@@ -368,7 +368,7 @@ def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
     result = result_of(operator, stepped(operator, swum, show=show), None, None)
     assert result.accepted
     assert result.reason == "The run reached its end."
-    assert result.aftermath == "After the run, a module is too hot. Look at the robot, then start with `--clear`."
+    assert result.aftermath == "After the run, a module is too hot. Check the robot, then start with `--clear`."
     assert result.aftermath in table(result.summary())
 
 

@@ -64,7 +64,7 @@ def test_a_table_says_that_a_twin_learns_and_what():
 
 
 def test_nothing_is_learnt_in_depth():
-    with pytest.raises(OperationFileError, match="`learning`: must be left out in depth, where nothing is learnt"):
+    with pytest.raises(OperationFileError, match="`learning`: must be left out in space, where nothing is learned"):
         parse_operation(f"{TRIAL}path_depth = [0.5]\n[learning]\n")
 
 
@@ -92,7 +92,7 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("following.guidance = 'los'", r"key `following.guidance`: must be one of `line_of_sight`"),
         ("following.waypoints = [[0, 0]]", r"key `following.waypoints`: must hold at least 2 points"),
         ("limits.max_current = 0", r"key `limits.max_current`: must be > 0 A, got 0"),
-        ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
+        ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a lower and an upper limit in m"),
         ("connection.bus_address = 'usb:can0'", r"key `connection.bus_address`: must be one of `virtual`"),
         ("connection.bus = 'cam'", r"key `connection.bus`: must be one of `can`.*, got 'cam'; did you mean `can`\?"),
         ("connection.mocap = 'os'", r"key `connection.mocap`: must be one of `qtm`.*, got 'os'"),
@@ -103,13 +103,13 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
             "connection.mocap_address = 'a:70000'",
             r"key `connection.mocap_address`: must be HOST:PORT, with a port from 1",
         ),
-        ("connection.meter_address = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
+        ("connection.meter_address = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V with a power meter"),
         ("learning.window = 1", r"key `learning.window`: must be > 5 s, got 1"),
         ("learning.unknown = ['drag']", r"key `learning.unknown\[0\]`: must be one of `normal_drag`, .* got 'drag'"),
         ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         ("calibration.still_speed = 'fast'", r"key `calibration.still_speed`: must be a number in m/s, got 'fast'"),
         ("start.heading = 0.1", r"key `start.position`: is missing; every Placement needs it"),
-        ("name = 'a b'", r"key `name`: must be letters, digits, `-` and `_`, as in a file's name, got 'a b'"),
+        ("name = 'a b'", r"key `name`: must be a file name of letters, digits, `-` and `_`, got 'a b'"),
     ],
 )
 def test_what_is_wrong_with_a_trial_file_is_said_with_its_key(text, message):
@@ -136,9 +136,9 @@ def test_what_is_wrong_with_a_trial_file_is_said_with_its_key(text, message):
         ("kind = 'series'\nname = 'a'", r"key `trials`: is missing; every SeriesFile needs it"),
         ("kind = 'series'\nname = 'a'\ntrials = []", r"key `trials`: must hold at least one trial, got none"),
         ("kind = 'series'\nrepeat = 2", r"key `repeat`: is not known; did you mean `repeats`\?"),
-        (SERIES.replace('"b"', '"a"'), r"key `trials`: must have names of their own, got 'a' twice"),
+        (SERIES.replace('"b"', '"a"'), r"key `trials`: must have distinct names, got 'a' twice"),
         (SERIES.replace("gait.amplitude_deg = 20", "gait.amplitude_dg = 20"), r"key `trials\[1\].gait.amplitude_dg`"),
-        (TRIAL + "max_offset = 0.3", r"key `following.max_offset_deg`: must not be given beside `max_offset`"),
+        (TRIAL + "max_offset = 0.3", r"key `following.max_offset_deg`: must not be given together with `max_offset`"),
         ("kind = ", r"is not valid TOML"),
     ],
 )
@@ -151,7 +151,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path):
     with pytest.raises(OperationFileError, match=r"no\.toml: no such file"):
         load_operation(tmp_path / "no.toml")
     (tmp_path / "x.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(OperationFileError, match=r"x\.toml: is not a text in UTF-8"):
+    with pytest.raises(OperationFileError, match=r"x\.toml: is not UTF-8 text"):
         load_operation(tmp_path / "x.toml")
     with pytest.raises(OperationFileError, match=r"is a folder, not a file"):
         load_operation(tmp_path)

@@ -106,7 +106,7 @@ def text_of(run) -> str:
 def test_the_dashboard_shows_modules_pose_state_and_events():
     run = run_of(Operator(operation=WHAT))
     first = text_of(run)
-    assert "not heard" in first
+    assert "silent" in first
     assert "not known yet" in first
     run.until("running")
     run.tick(25)
@@ -145,6 +145,6 @@ def test_without_a_terminal_there_is_a_line_per_event(capsys):
         run.tick()
         print_events(run.state, run.outputs)
     told = capsys.readouterr().err
-    assert "8 modules and the motion capture are heard" in told
+    assert "8 modules and the motion capture respond" in told
     assert "I_0 = 1.180 A" in told
     assert "phase" not in told

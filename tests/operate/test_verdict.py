@@ -94,7 +94,7 @@ def test_a_perfect_run_passes_every_check_with_hardly_any_of_its_limits_used(tru
     assert max(one.share for one in verdict.checks) < 0.5
     summary = verdict.summary()
     assert summary["accepted"]
-    assert summary["lines"][0].startswith("ok          a joint off what its servo can follow: ")
+    assert summary["lines"][0].startswith("ok          joint error not explained by its servo: ")
 
 
 def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejected(truth):
@@ -105,7 +105,7 @@ def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejec
     assert (found.name, found.word) == ("joint_error", "WRONG")
     assert found.says.endswith("module 4")
     assert CYCLES * 1.5 < found.since <= CYCLES * 1.5 + 6.0
-    assert verdict.reason.startswith("The run is not right: a joint off what its servo can follow: ")
+    assert verdict.reason.startswith("The run failed a check: joint error not explained by its servo: ")
 
 
 def test_a_servo_that_follows_better_than_the_model_is_right(truth):
@@ -187,7 +187,7 @@ def test_a_sensor_that_jumps_within_the_first_cycle_rejects_the_run(truth):
     angle[20:, 2] += math.radians(40.0)
     short = until_cycle(log_of(truth, angle=angle), 0.5, clock=0.5)
     found = verdict_of(short, Acceptance(), PLANT)
-    assert "a joint's angle beside its rate" in found.reason and found.reason.endswith("module 3.")
+    assert "joint-angle jump not explained by its rate" in found.reason and found.reason.endswith("module 3.")
     assert not verdict_of(until_cycle(log_of(truth), 0.5, clock=0.5), Acceptance(), PLANT).reason
 
 
@@ -196,7 +196,7 @@ def test_a_run_that_came_to_an_edge_counts_only_if_a_cycle_was_whole(truth, n, i
     log = until_cycle(log_of(truth), n, clock=0.5)
     edge = Event(time=log.entries[-1].time, kind="state", message="", data={"event": "edge"})
     found = verdict_of(replace(log, entries=(*log.entries, edge)), Acceptance(), PLANT)
-    why = "The run is not right: it came to an edge before a cycle was whole, and nothing vouches for it."
+    why = "The run failed a check: it reached an edge before a cycle was complete, so nothing confirms it."
     assert found.reason == ("" if is_right else why)
     assert found.summary()["accepted"] == is_right
 
@@ -267,11 +267,11 @@ def test_a_run_of_few_cycles_is_checked_but_for_its_turning(truth):
 def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_where():
     times, limits = [3.0, 4.0, 5.0], Acceptance(water_speed=0.01, joint_error=math.radians(3.0), without_zero=0.5)
     found = _check(limits, "joint_error", 1.0, times, np.radians([1.0, 6.0, 4.5]), "module 2")
-    assert found.says == "a joint off what its servo can follow: 6 of 3 deg (200 %), since 3.0 s; module 2"
+    assert found.says == "joint error not explained by its servo: 6 of 3 deg (200 %), since 3.0 s; module 2"
     assert (found.word, found.value, found.limit) == ("WRONG", math.radians(6.0), math.radians(3.0))
     assert (found.share, found.since) == (pytest.approx(2.0), 3.0)
     found = _check(limits, "water_speed", 1.0, times, np.array([0.01, math.nan, 0.004]), "")
-    assert found.says == "the straight robot drifts before the run: 0.01 of 0.01 m/s (100 %)"
+    assert found.says == "drift of the straight robot before the run: 0.01 of 0.01 m/s (100 %)"
     assert (found.word, found.since, found.share) == ("ok", None, 1.0)
     found = _check(limits, "without_zero", 1.0, times, np.array([0.0, 0.0, 2.0]), "")
     assert (found.word, found.since) == ("noted", 4.0)

@@ -130,9 +130,9 @@ def test_the_power_may_be_left_out_and_columns_come_in_any_order(load):
         (HEAD + "LU,nofin,30,130,40,0.1,-5\n", "row 2: `P_avg_W` must be > 0 W, got -5.0."),
         (HEAD + "LU,none,30,130,40,0.1,\n", "row 2: `config` must be one of `nofin`, `fin`, got 'none'"),
         (HEAD + "lateral,fin,30,130,40,0.1,\n", "row 2: `gait` must be one of `LU`, `EEL`, got 'lateral'"),
-        (HEAD + "LU,nofin,30,130,40\n", "row 2: it must have a cell per column."),
-        (HEAD + "LU,nofin,30,130,40,0.1,1,2\n", "row 2: it must have a cell per column."),
-        (HEAD, "it has no trials."),
+        (HEAD + "LU,nofin,30,130,40\n", "row 2: it must have one cell per column."),
+        (HEAD + "LU,nofin,30,130,40,0.1,1,2\n", "row 2: it must have one cell per column."),
+        (HEAD, "the table has no rows."),
         ("", "row 1: column `gait` is missing."),
         (HEAD.replace("v_m_s", "v_ms"), "row 1: column `v_ms` is not known; did you mean `v_m_s`?"),
         (HEAD.replace("v_m_s", "gait"), "row 1: column `gait` must not be given twice."),
@@ -148,5 +148,5 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path):
     with pytest.raises(TrialFileError, match=r"none\.csv: no such file$"):
         load_repeats(tmp_path / "none.csv")
     (tmp_path / "latin.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(TrialFileError, match=r"latin\.csv: is not a text in UTF-8"):
+    with pytest.raises(TrialFileError, match=r"latin\.csv: is not UTF-8 text"):
         load_repeats(tmp_path / "latin.csv")

@@ -105,7 +105,7 @@ def test_joints_water_and_progress_reach_the_runs():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"n_links": (20, 10)}, r"`n_links` must be two rising numbers, got \(20, 10\)"),
+        ({"n_links": (20, 10)}, r"`n_links` must be two increasing numbers, got \(20, 10\)"),
         ({"n_links": (1, 10)}, r"`n_links\[0\]` must be a whole number >= 2, got 1"),
         ({"duration": 0}, "`duration` must be > 0 s, got 0"),
     ],

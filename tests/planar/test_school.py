@@ -55,7 +55,7 @@ def test_a_robot_is_placed_in_a_flow_of_the_parts_of_the_plants_only():
     place = {"center_of_mass": np.zeros((1, 2)), "heading": np.zeros(1)}
     school.place(np.array([1]), current=[replace(gusts, seed=4)], **place)
     for other in (replace(gusts, modes=7), lc.load_current("vortex"), (0.1, 0.0)):
-        with pytest.raises(ValueError, match="`current` must have the parts of the plant's, with other numbers"):
+        with pytest.raises(ValueError, match="`current` must have the same parts as the plant's current"):
             school.place(np.array([1]), current=[other], **place)
 
 

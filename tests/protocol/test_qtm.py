@@ -117,7 +117,7 @@ def test_random_bytes_give_packets_or_a_protocol_error(data):
 
 
 def test_impossible_sizes_are_said():
-    with pytest.raises(ProtocolError, match="a packet says that it has 4 bytes"):
+    with pytest.raises(ProtocolError, match="a packet claims to have 4 bytes"):
         list(PacketReader().feed(struct.pack("<II", 4, 1)))
     assert list(PacketReader().feed(encode_packet(PacketType.NO_MORE_DATA, b""))) == [(4, b"")]
 

@@ -135,7 +135,7 @@ def test_a_system_that_gives_no_priority_is_said_and_no_error(monkeypatch):
     monkeypatch.setattr(os, "sched_setscheduler", refused, raising=False)
     with urgent() as granted:
         pass
-    assert granted.startswith("The loop has the priority of any program, for the system allows no other, and memory")
+    assert granted.startswith("The loop has normal priority, as the system allows no other, and memory")
 
 
 def test_within_a_loop_no_garbage_is_collected_and_afterwards_all_is_as_before():

@@ -26,7 +26,7 @@ def test_the_main_facts_are_plain_data():
     [
         ("mamba", "length          1.62 m"),
         ("mamba", "all yaw"),
-        ("mamba-modules", "yaw and pitch in turn, yaw at the tail"),
+        ("mamba-modules", "alternating yaw and pitch, yaw at the tail"),
         ("mamba-modules", "modules 0-18"),
         ("mamba-fin", "opening_length 0.12 m"),
         ("mamba-thruster", "thruster on link 0  x -0.09 m, thrust 5 N"),

@@ -34,7 +34,7 @@ def test_the_fin_floats_in_fresh_water_by_default():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"length": 0.1}, r"`opening_length` must be < 0\.1 m, its `length`, got 0\.12\."),
+        ({"length": 0.1}, r"`opening_length` must be < 0\.1 m, the `length`, got 0\.12\."),
         ({"opening_length": 0.5}, r"`opening_length` must be < 0\.5 m"),
         ({"opening_length": -0.1}, r"`opening_length` must be >= 0 m"),
         ({"opening": "ajar"}, r"`opening` must be one of `open`, `closed`, got 'ajar'"),

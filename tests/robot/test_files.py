@@ -170,12 +170,12 @@ BAD_EDITS = [
     ("count = 3", "count = 10000000000", "modules[0].count", "must be a whole number from 1 to 1000, got 10000000000"),
     ("count = 3", "count = 2.5", "modules[0].count", r"must be a whole number from 1 to 1000, got 2\.5"),
     ("count = 3", "count = true", "modules[0].count", "must be a whole number from 1 to 1000, got True"),
-    ("count = 2", "count = 4", "joints", "must hold one Joint less than there are modules, 2 for 3 modules, got 4"),
+    ("count = 2", "count = 4", "joints", "must hold one Joint fewer than there are modules, 2 for 3 modules, got 4"),
     ("half_width = 0.05", "half_width = 0", "modules[0].section.half_width", "must be > 0 m, got 0"),
     ("{ half_height = 0.055, half_width = 0.05 }", "3", "modules[0].section", "must be a table, got 3"),
     ("limit_deg = 90", "limit_deg = 360", "joints[0].limit_deg", "must be between 0 and 180 deg, got 360"),
     ("limit_deg = 90", 'limit_deg = "90"', "joints[0].limit_deg", "must be a number in deg, got '90'"),
-    ("limit_deg = 90", "limit_deg = 90\nlimit = 1.5", "joints[0].limit_deg", "must not be given beside `limit`, .*"),
+    ("limit_deg = 90", "limit_deg = 90\nlimit = 1.5", "joints[0].limit_deg", "must not be given together with `lim.*"),
     ("limit_deg = 90", "limit_degrees = 90", "joints[0].limit_degrees", "is not known; did you mean `limit_deg`.*"),
     ("limit_deg = 90", 'axis = "roll"', "joints[0].axis", "must be one of `yaw`, `pitch`, got 'roll'"),
     ("limit_deg = 90", "axis = []", "joints[0].axis", "must be a text or a list of 1 to `count` = 2 texts, got 0"),
@@ -194,7 +194,7 @@ BAD_EDITS = [
         "[[thr",
         "[caudal_fin]\nlength = 0.1\n[[thr",
         "caudal_fin.opening_length",
-        r"must be < 0\.1 m, its .* got 0\.12",
+        r"must be < 0\.1 m, the .* got 0\.12",
     ),
     ("[[thr", "[tether]\nforce = [1]\n[[thr", "tether.force", r"must be two numbers in N, got 1 of them"),
     ("[[thr", "[tether]\nforce = [0, inf]\n[[thr", "tether.force[1]", "must be a finite number in N, got inf"),
@@ -303,7 +303,7 @@ def test_a_folder_is_refused(tmp_path):
 def test_a_file_in_another_encoding_is_refused(tmp_path):
     path = tmp_path / "latin.toml"
     path.write_bytes('kind = "robot" # café'.encode("latin-1"))
-    with pytest.raises(RobotFileError, match=r"latin\.toml: is not a text in UTF-8"):
+    with pytest.raises(RobotFileError, match=r"latin\.toml: is not UTF-8 text"):
         load_robot(path)
 
 

@@ -120,8 +120,8 @@ def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_take
         ),
         (HEAD + WATER + "[actuator]\ntracking = 2\n", "key `actuator.tracking`: must be between 0 and 1.5, got 2"),
         (HEAD + WATER + "[actuator]\ntraking = 1\n", "key `actuator.traking`: is not known; did you mean `tracking`?"),
-        (HEAD + WATER + '[joint]\naxis = "pitch"\n', "key `joint.axis`: must not be given: a parameter file does not"),
-        (HEAD + WATER + "[joint.actuator]\n", "key `joint.actuator`: must not be given: the table `actuator` beside"),
+        (HEAD + WATER + '[joint]\naxis = "pitch"\n', "key `joint.axis`: must not be given: a parameter file cannot"),
+        (HEAD + WATER + "[joint.actuator]\n", "key `joint.actuator`: must not be given: use the separate table"),
         (HEAD + WATER + "[joint]\nlimit_deg = 200\n", "key `joint.limit_deg`: must be between 0 and 180 deg, got 200"),
         (HEAD + WATER + "[caudal_fin]\nheight = 0\n", "key `caudal_fin.height`: must be > 0 m, got 0"),
         (HEAD + WATER + "[tether]\nforce = 3\n", "key `tether.force`: must be two numbers"),
@@ -216,7 +216,7 @@ def test_a_number_that_does_not_go_with_the_robot_is_refused_when_it_meets_it(lo
         ({"own": {"custom": load_water("paper-eel")}}, "`own` must be one of `lateral_undulation`, `eel_like`"),
         ({"changes": {"motor": {}}}, "`changes` must be one of `joint`, `actuator`"),
         ({"changes": {"actuator": {"tracking": -1.0}}}, r"`changes.actuator.tracking` must be > 0, got -1\.0"),
-        ({"changes": {"caudal_fin": {"added_mass": None}}}, "`changes.caudal_fin.added_mass` must be left out where"),
+        ({"changes": {"caudal_fin": {"added_mass": None}}}, "`changes.caudal_fin.added_mass` must be left out to keep"),
     ],
 )
 def test_parameters_made_in_python_are_checked_as_strictly(changes, message):

@@ -43,7 +43,7 @@ def positions(found: Robot):
         ({"modules": ()}, r"`modules` must hold at least one Module, got none"),
         ({"modules": LINK}, r"`modules` must be a tuple of Module, got Module"),
         ({"modules": (LINK, SECTION, LINK)}, r"`modules\[1\]` must be of class Module, got Section"),
-        ({"joints": (Joint(),)}, r"`joints` must hold one Joint less than there are modules, 2 for 3 modules, got 1"),
+        ({"joints": (Joint(),)}, r"`joints` must hold one Joint fewer than there are modules, 2 for 3 modules, got 1"),
         ({"joints": (Joint(), "yaw")}, r"`joints\[1\]` must be of class Joint, got str"),
         ({"caudal_fin": True}, r"`caudal_fin` must be of class CaudalFin, got bool"),
         (

@@ -113,7 +113,7 @@ def test_a_law_that_nobody_here_defines_is_kept_and_only_running_it_is_refused(t
     stored = lc.load_trial(tmp_path / "run.nc")
     assert stored.scenario.model == model and stored.settings["joints"] == "muscle"
     assert stored.forward_velocity == trial.forward_velocity
-    with pytest.raises(ValueError, match="nobody has defined its `muscle`; import the module that does"):
+    with pytest.raises(ValueError, match="its `muscle` is not defined; import the module that defines it"):
         lc.swim(stored.scenario)
 
 
@@ -128,5 +128,5 @@ def test_a_controller_that_nobody_here_defines_is_kept_with_its_gait():
     del Controller._known["wandering"]
     stored = run_from_toml(run_to_toml(known))
     assert stored.gait == GAIT
-    with pytest.raises(ValueError, match="nobody has defined its `wandering`"):
+    with pytest.raises(ValueError, match="its `wandering` is not defined"):
         lc.swim(stored)

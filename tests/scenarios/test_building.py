@@ -92,7 +92,7 @@ def test_names_become_values():
     assert chosen.robot.n_links == 5
     assert chosen.environment == lc.load_ground("viscous")
     assert chosen.model.joints == Servo()
-    assert chosen.origin == "as asked for"
+    assert chosen.origin == "as requested"
 
 
 def test_parameters_say_robot_water_and_joint_law_unless_a_law_is_asked_for():
@@ -106,8 +106,8 @@ def test_parameters_say_robot_water_and_joint_law_unless_a_law_is_asked_for():
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        ({"parameters": "paper", "water": "paper-eel"}, "`parameters` must not be given with `water`: both say what"),
-        ({"ground": "viscous", "water": "paper-eel"}, "`water` must not be given with `ground`: it belongs to water"),
+        ({"parameters": "paper", "water": "paper-eel"}, "`parameters` must not be given with `water`: both define"),
+        ({"ground": "viscous", "water": "paper-eel"}, "`water` must not be given with `ground`: it applies to water"),
         ({"ground": "viscous", "parameters": "paper"}, "`parameters` must not be given with `ground`"),
         ({"joints": "servos"}, "`joints` must be one of .*, got 'servos'; did you mean `servo`"),
         ({"n_links": 0}, "`n_links` must be a whole number >= 1, got 0"),

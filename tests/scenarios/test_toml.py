@@ -67,7 +67,7 @@ def test_a_controller_and_every_number_come_back(tmp_path):
         ('robot = "mambo"', GAIT, "there is no robot preset named `mambo`; did you mean `mamba`"),
         ("n_links = 0", GAIT, "key `n_links`: must be a whole number >= 1, got 0"),
         ("", f"{GAIT}speed = 3", "key `gait.speed`: is not known"),
-        ("", "", "key `gait`: must be given, or `controller`, and not both"),
+        ("", "", "key `gait`: must be given, or `controller`, but not both"),
         ('water = "paper-eel"\nground = "viscous"', GAIT, "key `water`: must not be given with `ground`"),
         ('model = "flat"', GAIT, "key `model.kind`: must be one of `planar`, `spatial`, got 'flat'"),
         ("lenght = 3", GAIT, "key `lenght`: is not known"),

@@ -159,8 +159,8 @@ def test_a_trial_that_diverges_has_no_derivatives():
     [
         ([], "`names` must hold at least one name of a parameter, got []."),
         ("gait.amplitude", "`names` must hold at least one name of a parameter, got 'gait.amplitude'."),
-        (["gait.amplitud"], "`names` must name numbers of gait, water or robot, as `gait.amplitude`, got 'gait.amplit"),
-        (["robot.n_links"], "`names` must be of numbers that may change a little, got `robot.n_links`, a count."),
+        (["gait.amplitud"], "`names` must name numbers of gait, water or robot, such as `gait.amplitude`, got 'gait"),
+        (["robot.n_links"], "`names` must be of numbers that can vary slightly, got `robot.n_links`, a count."),
         (["water.depth"], "`names` must be of numbers that the trial has, got `water.depth`, which is None."),
     ],
 )

@@ -140,7 +140,7 @@ def test_a_run_whose_commands_are_on_their_way_does_not_go_on():
     plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=0.3)
     followed, swum = lc.run(plant, PAPER, 1.0), lc.run(plant, lc.OpenLoop(command=lc.Command(gait=GAIT)), 1.0)
     for trial, controller in ((followed, None), (followed, PAPER), (swum, PAPER)):
-        with pytest.raises(ValueError, match=r"`loop_delay` must be 0 to go on from the end of a trial, .* got 0\.3"):
+        with pytest.raises(ValueError, match=r"`loop_delay` must be 0 to continue from the end of a trial.* got 0\.3"):
             lc.resume(plant, trial, 1.0, controller=controller)
     assert lc.resume(plant, swum, 1.0).succeeded
 

@@ -121,7 +121,7 @@ def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
     trial = lc.swim(load_robot("mamba"), GAIT, duration=1.0)
     unknown = Experiment(robot=trial.robot, environment=trial.environment)
     trial = replace(trial, scenario=unknown)
-    with pytest.raises(ValueError, match="`controller` must be given to go on with a trial that has no gait"):
+    with pytest.raises(ValueError, match="`controller` must be given to continue a trial that has no gait"):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
     with pytest.raises(ValueError, match="`trial` must be of class Trial, got str"):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), "run.nc", 1.0)

@@ -86,7 +86,7 @@ def test_a_current_in_three_dimensions_carries_a_robot_that_goes_along():
 
 
 def test_the_planar_model_refuses_a_current_that_is_not_in_its_plane():
-    with pytest.raises(ValueError, match=r"`current` must be in the plane for the planar model; .* got 0.1 m/s upward"):
+    with pytest.raises(ValueError, match=r"`current` must be horizontal unless .*, got 0.1 m/s upward"):
         lc.swim(ROBOT, STRAIGHT, 1.0, environment=replace(WATER, current=(0.0, 0.0, 0.1)))
     assert replace(WATER, current=(0.1, 0.2, 0.0)) == replace(WATER, current=(0.1, 0.2))
 
@@ -142,10 +142,10 @@ def test_a_command_for_other_effectors_is_refused():
     robot = replace(ROBOT, thrusters=(Thruster(link=0, thrust=1.0),))
     with pytest.raises(ValueError, match="`thrusts` must have one entry per effector with a `max_thrust`, 0 in all"):
         moved(robot, command=replace(HELD, thrusts=(1.0,)))
-    with pytest.raises(ValueError, match=r"`thrusters\[0\].elevation` must be 0 in the planar model"):
+    with pytest.raises(ValueError, match=r"`thrusters\[0\].elevation` must be 0 unless `model` is `spatial`"):
         lc.swim(replace(ROBOT, thrusters=(Thruster(link=0, thrust=1.0, elevation=0.1),)), STRAIGHT, 1.0)
     flat = PectoralFin(link=3, area=0.01, lift_slope=3.0, stall_angle=0.3, roll=radians(90))
-    with pytest.raises(ValueError, match=r"`pectoral_fins\[0\].roll` must be 0 in the planar model"):
+    with pytest.raises(ValueError, match=r"`pectoral_fins\[0\].roll` must be 0 unless `model` is `spatial`"):
         lc.swim(replace(ROBOT, pectoral_fins=(flat,)), STRAIGHT, 1.0)
 
 

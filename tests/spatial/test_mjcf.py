@@ -332,9 +332,9 @@ def test_bad_arguments_are_refused_by_name():
         mjcf.spec(robot, WATER, actuators="pd")
     with pytest.raises(ValueError, match=r"`scene` must be one of `pegs`, .*, got 'hill'"):
         mjcf.spec(robot, WATER, scene="hill")
-    with pytest.raises(ValueError, match=r"`meshes` must be one file per module, 9, or none, got 1"):
+    with pytest.raises(ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 1"):
         mjcf.spec(robot, WATER, meshes=["a.stl"])
-    with pytest.raises(ValueError, match=r"`meshes` must be files that exist and end in .stl or .obj, got a.stl"):
+    with pytest.raises(ValueError, match=r"`meshes` must be existing .stl or .obj files, got a.stl"):
         mjcf.spec(robot, WATER, meshes=["a.stl"] * 9)
     with pytest.raises(ValueError, match="`robot` must be of class Robot, got str"):
         mjcf.spec("mamba", WATER)

@@ -92,18 +92,18 @@ def test_what_cannot_be_is_refused_by_name(tmp_path):
         ValueError, match=r"`start` must not put the robot into `rock` of the scene, but module_\d is \d+ mm deep"
     ):
         swim(inside)
-    with pytest.raises(ValueError, match="beside the robot; it says: repeated name 'module_3' in body"):
+    with pytest.raises(ValueError, match="with the robot; MuJoCo says: repeated name 'module_3' in body"):
         swim(clash)
     with pytest.raises(
         ValueError,
-        match="beside the robot; it says: mesh 'sheet' has coplanar",
+        match="with the robot; MuJoCo says: mesh 'sheet' has coplanar",
     ):
         swim(flat)
     with pytest.raises(ValueError, match="`scene` must not be `tank` without water, got the ground `coulomb`"):
         swim("tank", environment=lc.load_ground("coulomb"), root="free")
     with pytest.raises(ValueError, match="`scene` must be one of `pegs`"):
         swim("peggs")
-    with pytest.raises(ValueError, match="`scene` must be one that MuJoCo can compile beside the robot; it says: "):
+    with pytest.raises(ValueError, match="`scene` must compile in MuJoCo together with the robot; MuJoCo says: "):
         swim(str(tmp_path / "none.xml"))
     (tmp_path / "twice.xml").write_text("<mujoco><worldbody><body name='module_1'/></worldbody></mujoco>")
     with pytest.raises(ValueError, match=r"`scene` must .*module_1"):
@@ -243,5 +243,5 @@ def test_robots_that_cannot_be_in_one_scene_are_refused_by_name():
         lc.swim_together([one(0.0), one(3.0, "mamba-modules")])
     with pytest.raises(ValueError, match="`scene` must be the same for all robots in one scene"):
         lc.swim_together([one(0.0), one(3.0, scene="pegs")])
-    with pytest.raises(ValueError, match=r"`scenarios\[0\].model` must have a `scene`, as `open`"):
+    with pytest.raises(ValueError, match=r"`scenarios\[0\].model` must have a `scene`, such as `open`"):
         lc.swim_together([one(0.0, scene=None), one(3.0)])

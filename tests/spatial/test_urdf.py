@@ -156,5 +156,5 @@ def test_meshes_are_copied_beside_the_file_and_the_folder_can_be_moved(kind, tmp
 
 
 def test_meshes_must_be_one_per_module():
-    with pytest.raises(ValueError, match=r"`meshes` must be one file per module, 9, or none, got 2\."):
+    with pytest.raises(ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 2\."):
         urdf(lc.load_robot("mamba"), ["a.stl", "b.stl"])

@@ -16,7 +16,7 @@ def test_the_averaged_model_swims_as_fast_as_the_gait_and_turns_to_the_side_of_i
 
 
 def test_frequencies_that_are_no_range_are_refused():
-    with pytest.raises(ValueError, match="`frequency_limits` must be 0 < least < greatest in rad/s, got 2 and 1"):
+    with pytest.raises(ValueError, match="`frequency_limits` must be 0 < smallest < largest in rad/s, got 2 and 1"):
         averaged_model(PLANT, GAIT, (2.0, 1.0))
     with pytest.raises(ValueError, match="`n_trials` must be a whole number >= 3, got 2"):
         averaged_model(PLANT, GAIT, n_trials=2)

@@ -47,7 +47,7 @@ def test_a_scheduler_that_goes_away_is_an_error_and_costs_nothing(tmp_path: Path
                 process.kill()
                 process.wait(30)
 
-        message = r"the Dask scheduler went away\. What was stored is not lost: run the same"
+        message = r"the Dask scheduler went away\. Stored results are not lost: run the same"
         with pytest.raises(ClusterFailed, match=message):
             run_sweep(small(), tmp_path / "a", client=client, region_size=2, progress=lose)
         client.close(timeout=1)
@@ -115,7 +115,7 @@ def test_it_is_not_waited_for_when_no_worker_is_left(tmp_path: Path, monkeypatch
 
 
 def test_workers_of_another_version_are_refused():
-    with pytest.raises(ClusterFailed, match=r"the workers must have laticauda 0\.0\.0 as this process has, got "):
+    with pytest.raises(ClusterFailed, match=r"the workers must have laticauda 0\.0\.0, as this process does, got "):
         cluster._swim("0.0.0", small().scenario, (), None)
 
 

@@ -15,7 +15,7 @@ def test_a_sweep_that_an_older_release_began_can_be_read_and_is_not_gone_on_with
     del definition["format"]  # as they were when no definition held a scenario
     file.write_text(json.dumps(definition))
     assert open_sweep(tmp_path).n_finished == 12
-    with pytest.raises(ValueError, match=r"another release of laticauda began: take another folder, .* still be read"):
+    with pytest.raises(ValueError, match=r"another release of laticauda: use another folder, .* still be read"):
         run_sweep(small(), tmp_path)
 
 

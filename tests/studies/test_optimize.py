@@ -193,7 +193,7 @@ def test_a_checkpoint_that_the_search_does_not_repeat_is_refused(tmp_path: Path)
         arrays = dict(stored)
     arrays["points"][13] += 1e-9
     np.savez(file, **arrays)
-    with pytest.raises(ValueError, match="went another way after 12 trials"):
+    with pytest.raises(ValueError, match="the search differs after 12 trials"):
         small(folder=tmp_path / "a")
 
 
@@ -220,7 +220,7 @@ def test_a_full_disk_costs_nothing_that_was_stored(tmp_path: Path, monkeypatch: 
 
     with monkeypatch.context() as context:
         context.setattr({"np": np, "os": os}[call[:2]], call[3:], full)
-        message = "the disk is full. Nothing that was stored is lost: 24 trials are stored; make room and run the same"
+        message = "the disk is full. Nothing that was stored is lost: 24 trials are stored; free some space and run"
         with pytest.raises(StorageFailed, match=message):
             small(folder=tmp_path / "a")
     seen: list[int] = []
@@ -232,5 +232,5 @@ def test_no_second_process_works_in_the_same_folder(tmp_path: Path):
     def again(done: int, total: int) -> None:
         small(folder=tmp_path / "a")
 
-    with pytest.raises(ValueError, match="`folder` must be one that no other process writes to now"):
+    with pytest.raises(ValueError, match="`folder` must be one that no other process is writing to"):
         small(folder=tmp_path / "a", progress=again)

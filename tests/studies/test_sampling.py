@@ -93,7 +93,7 @@ def test_whole_numbers_have_equal_shares_of_the_samples():
         (lambda: Grid(values={"gait.offset": [0.1, 0.1]}), "`gait.offset` must have different values in a grid"),
         (
             lambda: Rows(values={"a": [1, 2], "b": [1]}),
-            "as many values of one parameter as of another, got 2 of a, 1 of b",
+            "equally many values of every parameter, got 2 of a, 1 of b",
         ),
         (lambda: Samples(ranges={}, n_points=3), "`ranges` must hold at least one parameter, got none"),
         (lambda: Samples(ranges={"a": (2, 1)}, n_points=3), "`ranges` must have low < high, got 2 and 1 for `a`"),

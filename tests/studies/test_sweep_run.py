@@ -200,7 +200,7 @@ def test_results_are_refused_where_the_caller_wants_none(tmp_path: Path):
 
 def test_two_processes_do_not_work_in_one_folder(tmp_path: Path):
     def again(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="`folder` must be one that no other process writes to now"):
+        with pytest.raises(ValueError, match="`folder` must be one that no other process is writing to"):
             run_sweep(small(), tmp_path / "a")
         raise Stop
 
@@ -235,7 +235,7 @@ def test_a_full_disk_costs_nothing_that_was_stored(little_disk: Path, tmp_path: 
     with ballast.open("wb") as file, pytest.raises(OSError):
         while True:
             os.write(file.fileno(), b"0" * 4096)
-    message = "the disk is full. Nothing that was stored is lost: 6 of 12 trials are stored; make room and run the same"
+    message = "the disk is full. Nothing that was stored is lost: 6 of 12 trials are stored; free some space and run"
     with pytest.raises(StorageFailed, match=message):
         run_sweep(small(), folder)
     assert open_sweep(folder).n_finished == 6
@@ -248,7 +248,7 @@ def test_a_disk_that_is_full_from_the_start_is_said_so(little_disk: Path):
     with (little_disk / "ballast").open("wb") as file, pytest.raises(OSError):
         while True:
             os.write(file.fileno(), b"0" * 4096)
-    with pytest.raises(StorageFailed, match=r"the disk is full.*0 trials are stored; make room"):
+    with pytest.raises(StorageFailed, match=r"the disk is full.*0 trials are stored; free some space"):
         run_sweep(small(), little_disk / "a")
     (little_disk / "ballast").unlink()
     assert run_sweep(small(), little_disk / "a").n_finished == 12

@@ -43,7 +43,7 @@ def test_the_distance_is_the_root_of_the_mean_square_and_lost_markers_do_not_cou
 def test_what_does_not_fit_is_refused():
     with pytest.raises(ValueError, match="`along` must have one distance per marker, 4, got 1"):
         marker_distance(TRIAL, SEEN, [0.1], fitted=(0.0, 1.0))
-    with pytest.raises(ValueError, match="`fitted` must be a span with markers that were seen"):
+    with pytest.raises(ValueError, match="`fitted` must be a span in which markers were seen"):
         marker_distance(TRIAL, SEEN, ALONG, fitted=(8.0, 9.0))
 
 
@@ -56,5 +56,5 @@ def test_a_track_is_read_from_a_table(tmp_path):
     with pytest.raises(TrialFileError, match="must have columns `time_s`, `NAME_x_m`, `NAME_y_m`"):
         Track.read(path)
     path.write_text("time_s,a_x_m,a_y_m\n0,1\n", encoding="utf-8")
-    with pytest.raises(TrialFileError, match="row 2: it must have a cell per column"):
+    with pytest.raises(TrialFileError, match="row 2: it must have one cell per column"):
         Track.read(path)

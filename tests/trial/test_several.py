@@ -129,7 +129,7 @@ def test_what_does_not_follow_is_not_joined(whole):
     with pytest.raises(ValueError, match="`second` must log the same as `first`"):
         joined(first, dataclasses.replace(second, electrical_work=None))
     with pytest.raises(
-        ValueError, match="`second` must log the same as `first`: electrical work, link forces, signals"
+        ValueError, match="`second` must log the same as `first`, including electrical work, link forces and signals"
     ):
         joined(first, dataclasses.replace(second, signals={}))
 

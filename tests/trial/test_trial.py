@@ -117,7 +117,7 @@ def test_a_trial_survives_the_way_to_another_process(full_trial):
 def test_mean_power_says_which_power_it_is(make_trial):
     mechanical = make_trial()
     assert (mechanical.mean_power_kind, mechanical.mean_power) == ("mechanical", pytest.approx(3.0))
-    with pytest.raises(ValueError, match="Nothing says what the motors draw: give --joints servo"):
+    with pytest.raises(ValueError, match="The power of the motors is unknown: give --joints servo"):
         _ = mechanical.total_power
     electrical = make_trial(electrical_work=100.0 * mechanical.time)
     assert (electrical.mean_power_kind, electrical.mean_power) == ("electrical", pytest.approx(100.0))

@@ -114,13 +114,13 @@ def test_a_zero_that_is_set_counts(servos):
 
 def test_what_is_not_as_it_must_be_is_refused_with_what_to_check(servos):
     servos.tables[2][Register.OPERATING_MODE] = 1
-    with pytest.raises(DeviceFailed, match=r"Servos \[2\] must be in a mode that controls the position"):
+    with pytest.raises(DeviceFailed, match=r"Servos \[2\] must be in a position-control mode"):
         made(servos)
     servos.tables[9] = servos.tables.pop(2)
-    with pytest.raises(DeviceFailed, match=r"the numbers 1, 2, ... from the tail on, got \[1, 3"):
+    with pytest.raises(DeviceFailed, match=r"be numbered 1, 2, ... from the tail on, got \[1, 3"):
         made(servos)
     servos.tables.clear()
-    with pytest.raises(DeviceFailed, match=r"No servo answers at .*check power, cable, and that its baud rate"):
+    with pytest.raises(DeviceFailed, match=r"No servo answers at .*check power and cable, and that the baud rate"):
         made(servos)
     with pytest.raises(ValueError, match="`bus_address` must be PORT or PORT:BAUD_RATE, got '/dev/x:fast'"):
         driver_named("bus", "dynamixel", "/dev/x:fast")

@@ -82,7 +82,7 @@ def test_lanes_share_their_attributes():
     envs = lanes()
     assert envs.get_attr("render_mode", [0, 2]) == [None, None]
     assert envs.env_is_wrapped(object) == [False] * 3
-    with pytest.raises(ValueError, match="`task` must be given when the environment is made"):
+    with pytest.raises(ValueError, match="`task` must be set when the environment is made"):
         envs.set_attr("task", 1)
     with pytest.raises(ValueError, match="`reset` must be called on `envs`"):
         envs.env_method("reset")

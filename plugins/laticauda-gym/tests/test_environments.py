@@ -276,7 +276,7 @@ BAD = [
     ({"joints": "stiff"}, "`joints` must be one of"),
     ({"robot": "mamba-fn"}, "did you mean `mamba-fin`"),
     ({"render_mode": "human"}, "`render_mode` must be one of `rgb_array`, got 'human'"),
-    ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name where fields of it are given"),
+    ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name if its fields are given"),
     ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
     ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, got 'ab'"),
     ({"task": "Efficiency", "frequencies": (-1.0, 1.0)}, r"`frequencies\[0\]` must be >= 0 rad/s, got -1.0"),
@@ -317,8 +317,8 @@ def test_settings_of_the_lanes_out_of_range_are_refused(settings: dict, message:
         ),
         ({"options": {"y": np.nan}}, "`y` must be a finite number, got nan"),
         ({"options": {"y": np.array([0.0, np.inf])}}, r"`y\[1\]` must be a finite number, got inf"),
-        ({"options": {"reset_mask": [True, False]}}, "`reset_mask` must be an array of 2 truth values"),
-        ({"seed": [1, 2, 3]}, "`seed` must be a number or one for each of 2 lanes, got 3"),
+        ({"options": {"reset_mask": [True, False]}}, "`reset_mask` must be an array of 2 booleans"),
+        ({"seed": [1, 2, 3]}, r"`seed` must be one number, or one per lane \(2\), got 3"),
     ],
 )
 def test_resets_that_do_not_fit_are_refused(arguments: dict, message: str):

@@ -126,11 +126,11 @@ def test_the_current_is_that_of_all_and_places_are_each_ones_own():
 def test_what_does_not_fit_is_refused():
     with pytest.raises(ValueError, match="`n_robots` must be a whole number >= 2, got 1"):
         school(1)
-    with pytest.raises(ValueError, match=r"`scenario\.model` must be a `Spatial` with a `scene`, as `open`"):
+    with pytest.raises(ValueError, match=r"`scenario\.model` must be a `Spatial` with a `scene`, e.g. `open`"):
         school(model="spatial")
     with pytest.raises(ValueError, match="`spacng` is not known; did you mean `spacing`"):
         school(spacng=1.0)
-    with pytest.raises(ValueError, match="`task` must be None where fields of it are given"):
+    with pytest.raises(ValueError, match="`task` must be None if its fields are given"):
         school(task=Abreast())
     with pytest.raises(ValueError, match="`start` must not put"):
         school(**STRAIGHT, spacing=0.01).reset()
@@ -138,7 +138,7 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(ResetNeeded, match="`reset` must be called before the first `step`"):
         both(env, [0.0, 0.0], [0.0, 0.0])
     env.reset()
-    with pytest.raises(ValueError, match=r"`actions` must have one for each agent, got none for \['robot_1'\]"):
+    with pytest.raises(ValueError, match=r"`actions` must have an action for each agent, got none for \['robot_1'\]"):
         env.step({"robot_0": np.zeros(2)})
     with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2,\), got shape \(1,\)"):
         both(env, [0.0], [0.0, 0.0])

@@ -116,13 +116,13 @@ def test_a_score_file_is_what_its_schema_says_and_is_read_back(tmp_path):
     with pytest.raises(scoring.BadScores, match="was scored in another version of economy; score it again"):
         scoring.read_scores(file)
     file.write_text("[]")
-    with pytest.raises(scoring.BadScores, match="is no score file"):
+    with pytest.raises(scoring.BadScores, match="is not a score file"):
         scoring.read_scores(file)
 
 
 def test_actions_that_are_none_are_refused():
     bad = Method(name="bad", kind="callable", sha256="", pilot=lambda *_: lambda seen: np.full((len(seen), 4), np.nan))
-    with pytest.raises(scoring.BadScores, match="bad: said actions of shape"):
+    with pytest.raises(scoring.BadScores, match="bad: returned actions of shape"):
         scored(bad)
 
 
@@ -171,7 +171,7 @@ def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
         ValueError, match="`policy` must name a module that can be imported, got no_such:act: No module"
     ):
         method("no_such:act")
-    with pytest.raises(ValueError, match=r"`policy` must be a file that is there, got gone\.onnx"):
+    with pytest.raises(ValueError, match=r"`policy` must be an existing file, got gone\.onnx"):
         method("gone.onnx")
     with pytest.raises(ValueError, match="`policy` must be one of `open-loop`, `los`"):
         method("nobody")

@@ -21,9 +21,9 @@ class SpeedServo(Servo):
     an error of about 10 % of that speed.
     """
 
-    speed_limit: float = quantity("rad/s", "w_max, of the rate that the position loop asks for", gt=0.0, default=7.5)
-    position_gain: float = quantity("1/s", "k_w, rate asked for per angle error", gt=0.0, default=20.0)
-    speed_gain: float = quantity("N m s/rad", "k_u, torque asked for per rate error", gt=0.0, default=4.0)
+    speed_limit: float = quantity("rad/s", "w_max, of the rate demanded by the position loop", gt=0.0, default=7.5)
+    position_gain: float = quantity("1/s", "k_w, rate demanded per angle error", gt=0.0, default=20.0)
+    speed_gain: float = quantity("N m s/rad", "k_u, torque demanded per rate error", gt=0.0, default=4.0)
 
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `speed_gain` and `friction_torque`"
 

@@ -27,7 +27,7 @@ DESCRIPTION = (
 
 COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
 """By the words of a command: the location of its class, and its text in the list of commands."""
-LISTED = "; `laticauda --help` lists those that there are."
+LISTED = "; `laticauda --help` lists all commands."
 GROUPS = {
     "export": "Write robots to files for other programs.",
     "trial": "Show, compare, plot and convert stored trials.",
@@ -75,7 +75,7 @@ def main(args: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(_reason(error), 2)
     except OverflowError as error:
-        return _complain(f"a number is out of every range: {error}.", 2)
+        return _complain(f"a number is out of range: {error}.", 2)
     except MemoryError:
         return _complain("there is not enough memory; try a shorter run, or fewer samples.", 2)
 

@@ -135,7 +135,7 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         raise BadArgument(option, f"must be a file, got the folder {path}")
     # A new file replaces an old one, so the folder must be writable.
     if not os.access(file.parent, os.W_OK) or (file.exists() and not os.access(file, os.W_OK)):
-        raise BadArgument(option, f"must be a file that may be written, got {path}: permission denied")
+        raise BadArgument(option, f"must be a writable file, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":
         from laticauda.pictures.render import check_video
 
@@ -224,4 +224,4 @@ def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
         yield show
     except KeyboardInterrupt:
         stored = f"{reached[0]} of {reached[1]} trials are stored in {folder}"
-        raise KeyboardInterrupt(f"stopped; {stored}. Run the same command again to go on.") from None
+        raise KeyboardInterrupt(f"stopped; {stored}. Run the same command again to resume.") from None

@@ -24,8 +24,8 @@ from laticauda.identify.unknowns import Unknown
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, load_robot, water_names
 
-FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
-SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
+FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, such as water.normal_drag=1.75+-0.5"
+SENSOR_FORM = "one of speed, power, path, heading, joint-angle, joint-torque, alone or with =SIGMA, such as path=0.003"
 
 
 def _deg(*angles: float) -> tuple[float, ...]:
@@ -36,13 +36,13 @@ def _deg(*angles: float) -> tuple[float, ...]:
 class Unknowns:
     """What is to be identified, and what is already known about it."""
 
-    after: File = option("TOML file of an identification: its fit is repeated, for trials to do next", default=None)
-    parameters: Words = option("NAME, NAME=VALUE or NAME=MEAN+-SD: numbers as in sweeps, and what is known", default=())
+    after: File = option("TOML file of an identification, which is repeated to find the next trials", default=None)
+    parameters: Words = option("NAME, NAME=VALUE or NAME=MEAN+-SD: parameters as in sweeps, and priors", default=())
     criterion: str = option(
-        "What is minimized: D, volume of the possible; A, mean variance; NAME, its deviation", default="D"
+        "Minimized: D, volume of uncertainty; A, mean variance; NAME, its standard deviation", default="D"
     )
-    rivals: Words = option("Waters or parameter files: choose trials that tell which of them is true", default=())
-    trials: int = quantity("", "How many trials to choose", ge=1, default=4)
+    rivals: Words = option("Waters or parameter files: choose trials that show which of them is right", default=())
+    trials: int = quantity("", "Number of trials to choose", ge=1, default=4)
 
 
 @value
@@ -55,14 +55,14 @@ class Candidates:
     phase_shifts: tuple[float, ...] = quantity(
         "rad", "Phase shifts delta", ge=-math.pi, le=math.pi, default=_deg(30, 50)
     )
-    sensors: Words = option(f"Measured of a swim: any {SENSOR_FORM}, noise in SI", default=("speed",))
-    tow: tuple[float, ...] = quantity("m/s", "Speeds of tows of the straight robot", gt=0.0, default=(0.1, 0.4))
+    sensors: Words = option(f"Measured in a swim, each {SENSOR_FORM} (SI)", default=("speed",))
+    tow: tuple[float, ...] = quantity("m/s", "Speeds of towing the straight robot", gt=0.0, default=(0.1, 0.4))
     tow_angles: tuple[float, ...] = quantity("rad", "Angles between robot and tow; 0: along", default=_deg(0, 15))
-    coast_down: tuple[float, ...] = quantity("m/s", "Speeds at which it is let go", gt=0.0, le=100.0, default=(0.4,))
+    coast_down: tuple[float, ...] = quantity("m/s", "Speeds at which it is released", gt=0.0, le=100.0, default=(0.4,))
     no_tow: bool = option("Neither tows nor coast-downs", default=False)
-    no_swims: bool = option("No trials that swim", default=False)
+    no_swims: bool = option("No swimming trials", default=False)
     duration: float = quantity("s", "Duration of a swim", gt=0.0, le=1e5, default=30.0)
-    threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
+    threads: int | None = quantity("", "Trials to run in parallel; one per core if omitted", ge=1, default=None)
 
     def __post_init__(self) -> None:
         """Reject empty lists."""
@@ -80,15 +80,15 @@ class DesignExperiment(Command):
     After a first identification: laticauda design-experiment --after tank.toml --trials 3
     """
 
-    unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
-    robot: str | None = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
-    base: str | None = option("Parameter file: numbers not identified, joint law; else the paper's", default=None)
+    unknowns: Unknowns = option("What is to be identified, and what is known about it", default=Unknowns())
+    robot: str | None = option("A preset or a TOML file; if omitted, --after's or mamba", default=None)
+    base: str | None = option("Parameter file for all else, with a joint law; else the paper's", default=None)
     water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
-    joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
-    candidates: Candidates = option("Trials that could be done", default=Candidates())
-    output: Picture = option("A figure, .png, .pdf or .svg: uncertainty over the number of trials", default=None)
+    joints: str | None = option("How joints follow the gait; if omitted, the base's law or prescribed", default=None)
+    candidates: Candidates = option("Trials to choose from", default=Candidates())
+    output: Picture = option("Plot the uncertainty over the number of trials (.png, .pdf or .svg)", default=None)
 
-    tank_day: Place = option("A new folder gets runs to do and files to fill in; a filled one is judged", default=None)
+    tank_day: Place = option("New folder for runs to do and files to fill in, or a filled one to judge", default=None)
 
     def run(self) -> Outcome:
         """Evaluate the candidates, choose trials and draw."""
@@ -112,7 +112,7 @@ class DesignExperiment(Command):
 
         if not (folder / tank_day.DAY).exists():
             new = tank_day.begin(folder, load_robot(self._names.robot))
-            text = f"{folder / 'RUNS.md'}: what to do. Fill the tables, then give the same command again."
+            text = f"{folder / 'RUNS.md'}: what to do. Fill in the tables, then run the same command again."
             return Outcome(facts={"output": str(folder), "files": new}, text=text)
         day = tank_day.load_day(folder)
         show = progress(SHARE, what="fitted", patience=PATIENCE)
@@ -135,7 +135,7 @@ class DesignExperiment(Command):
         """Return the unknowns, and what is known about them."""
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
-                raise BadArgument("parameters", "must not be given with --after, whose file says them")
+                raise BadArgument("parameters", "must not be given with --after, whose file defines them")
             fit = tasks.load_task(self.unknowns.after).run(threads=self.candidates.threads)
             keep = fit.problem.of_interest
             known = {"values": fit.best[keep], "information": marginal(known_from(fit), keep)}
@@ -234,7 +234,7 @@ def _design_said(found: Design) -> Outcome:
     rows = [("what is known now", found.before), *_numbered(found.steps)]
     title = (
         f"The best {len(found.steps)} of {len(found.alone)} candidates, criterion {found.criterion}. Expected "
-        "standard deviations (shares of the value; *: in the unit)."
+        "standard deviations (relative to the value; *: in its unit)."
     )
     after, by_itself = _tables(labels, rows, found.alone, share)
     reasons = "\n".join(found.reasons).replace("`", "")

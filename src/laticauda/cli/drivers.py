@@ -19,7 +19,7 @@ class Drivers(command.Command):
 
     bus: str | None = option("Try this bus of modules: [DRIVER@]ADDRESS, as in a trial file", default=None)
     mocap: str | None = option("Try this motion capture: [DRIVER@]ADDRESS", default=None)
-    body: str | None = option("Its body, as in a trial file; the only one if left out", default=None)
+    body: str | None = option("Its body, as in a trial file; if omitted, the only one", default=None)
     meter: str | None = option("Try this power meter: [DRIVER@]ADDRESS", default=None)
     stop: str | None = option("Try this emergency-stop input: [DRIVER@]ADDRESS", default=None)
     duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)
@@ -33,7 +33,7 @@ class Drivers(command.Command):
             return command.Outcome(facts=known, text=lines)
         (kind, *others), clock = wanted, drivers.Clock()
         if others:
-            raise BadArgument(others[0], f"must not be given beside --{kind}: one driver is tried alone")
+            raise BadArgument(others[0], f"must not be given with --{kind}: drivers are tried one at a time")
         with Connection(mocap_body=self.body or "").at(**wanted).opened(kind, clock) as driver:
             heard, longest = listen(driver, clock, self.duration)
             now, trouble = clock.now(), driver.trouble
@@ -43,6 +43,6 @@ class Drivers(command.Command):
             for what in sorted({one.what for one in heard})
             if (mine := [one for one in heard if one.what == what])
         ]
-        wrong = trouble or ("" if bool(rows) != (kind == "stop") else "Nothing comes." if not rows else "It says stop.")
+        wrong = trouble or ("" if bool(rows) != (kind == "stop") else "No data." if not rows else "The stop is active.")
         facts = {"heard": rows, "longest_call": longest, "trouble": trouble}
         return command.Outcome(facts=facts, text=tables.table(rows), problem=wrong, succeeded=not wrong)

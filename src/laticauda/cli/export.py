@@ -11,7 +11,7 @@ from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
-OUTPUT = "The file to write; an older one is replaced"
+OUTPUT = "File to write; an existing one is replaced"
 
 
 @value
@@ -23,8 +23,8 @@ class Urdf(command.Command):
 
     output: Annotated[flags.Made, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
-    meshes: flags.Files = option("STL or OBJ per module, tail first (meters, its frame); copied along", default=())
+    n_links: int | None = quantity("", "Another number of links, if all links are alike", ge=1, default=None)
+    meshes: flags.Files = option("STL or OBJ per module, tail first (in meters, its frame); copied", default=())
 
     def run(self) -> command.Outcome:
         """Write the file."""
@@ -51,9 +51,9 @@ class Mjcf(Urdf):
     """
 
     output: Annotated[flags.Made, flags.Written((".xml",))] = option(OUTPUT)
-    water: str | None = option("A preset or TOML file, or paper-lateral: of it only the depth is written", default=None)
+    water: str | None = option("A preset or TOML file; only its depth is written (none: paper-lateral)", default=None)
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
-    scene: str | None = option("Around it: tank, pegs, slope, pipe, shore, height-field or an MJCF file", default=None)
+    scene: str | None = option("Surroundings: tank, pegs, slope, pipe, shore, height-field or MJCF file", default=None)
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
     actuators: Literal["none", "servo"] = option("Servos in the joints, whose input is the angle", default="none")
 
@@ -73,7 +73,7 @@ class Compiled(OfScenario):
     """A command that exports a robot in water as machine code."""
 
     output: Annotated[flags.Made, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
-    inputs: Literal["gait", "references"] = option("The gait's numbers, or joint angles (pd, servo)", default="gait")
+    inputs: Literal["gait", "references"] = option("Gait parameters, or joint angles (pd, servo)", default="gait")
 
     def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
         """Write the file.
@@ -107,9 +107,9 @@ class Fmu(Compiled):
     """
 
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
-    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=())
-    author: str | None = option("Who made the model, as the FMU says it", default=None)
-    model_version: str | None = option("Version of the model; laticauda's if left out", default=None)
+    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=())
+    author: str | None = option("Author of the model, as stated in the FMU", default=None)
+    model_version: str | None = option("Version of the model; laticauda's if omitted", default=None)
     license: str = option("License of the model", default="MIT")
 
     def run(self) -> command.Outcome:
@@ -130,9 +130,9 @@ class C(Compiled):
     """
 
     output: Annotated[flags.Made, flags.Written((".h",))] = option(
-        "The header to write; the library is beside it (.h)", default=""
+        "Header to write (.h); the library is written next to it", default=""
     )
-    platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if left out", default=None)
+    platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=None)
     static: bool = option("Write a static library instead of a shared one", default=False)
 
     def run(self) -> command.Outcome:
@@ -149,8 +149,8 @@ class Web(command.Command):
     For example: laticauda export web --robots mamba-fin amphibot --output page
     """
 
-    output: flags.Folder = option("The folder to write; files of an older page are replaced")
-    robots: flags.Files = option("Presets or TOML files, the first one at once; none: our choice", default=())
+    output: flags.Folder = option("Folder to write; files of an existing page are replaced")
+    robots: flags.Files = option("Presets or TOML files, the first one shown first; none: a selection", default=())
 
     def run(self) -> command.Outcome:
         """Write the files."""

@@ -20,7 +20,7 @@ from laticauda.reports.identify import as_dict, errors_of, identification_tables
 from laticauda.robot import load_parameters
 from laticauda.simulate.numbers import UNITS
 
-FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
+FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 
 
 @value
@@ -28,43 +28,43 @@ class What:
     """What is identified, and from which measurements."""
 
     parameters: Words = option(
-        "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its "
-        "range or with what is known of it before; for one gait only: eel_like.water.tangential_friction",
+        "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD: parameters of robot and water, dotted as in a sweep, with a range "
+        "or with prior knowledge; for one gait only: eel_like.water.tangential_friction",
         default=(),
     )
     measured: Words = option(
-        "NAME=SIGMA: what counts of the trials, with the standard deviation of its noise in SI units: figures, as "
-        "forward_velocity or mean_power, and series, as center_of_mass, heading, joint_angle, joint_torque",
+        "NAME=SIGMA: what is fitted, with the standard deviation of its noise in SI units: figures, such as "
+        "forward_velocity or mean_power, and series, such as center_of_mass, heading, joint_angle, joint_torque",
         default=("center_of_mass=0.005",),
     )
-    interval: float = quantity("s", "Time between the samples of a series that count", gt=0.0, default=0.5)
-    columns: File = option("A TOML file of what the columns of somebody else's log are", default=None)
-    table: File = option("Speeds, one row a trial: a CSV file with the columns of `reproduce --repeats`", default=None)
+    interval: float = quantity("s", "Time between the fitted samples of a series", gt=0.0, default=0.5)
+    columns: File = option("TOML file that describes the columns of a foreign log", default=None)
+    table: File = option("CSV file of speeds, a row per trial, with the columns of `reproduce --repeats`", default=None)
     table1: bool = option("The paper's Table 1 instead of files", default=False)
-    free_start: bool = option("Identify where the trials began, too, if path or heading counts", default=True)
+    free_start: bool = option("Also identify where the trials began, if path or heading is fitted", default=True)
 
 
 @value
 class Fixed:
     """What is held fixed."""
 
-    robot: str | None = option("What swam, a preset or a TOML file: trials of another one are refused", default=None)
-    base: str | None = option("Parameter file for the rest, with a joint law; else as the trials say", default=None)
-    joints: str | None = option("How joints follow the gait; the base's law, or prescribed, if left out", default=None)
-    model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes long", default="planar")
+    robot: str | None = option("Robot, a preset or a TOML file; trials of another one are refused", default=None)
+    base: str | None = option("Parameter file for all else, with a joint law; else as in the trials", default=None)
+    joints: str | None = option("How joints follow the gait; if omitted, the base's law or prescribed", default=None)
+    model: Literal["planar", "spatial"] = option("Model of the body; spatial (MuJoCo) is slow", default="planar")
 
 
 @value
 class Method:
     """How parameters are fitted."""
 
-    noise: Literal["known", "estimated"] = option("Known as stated, or times an estimated factor", default="estimated")
-    starts: int = quantity("", "How many starts the search has", ge=1, default=4)
+    noise: Literal["known", "estimated"] = option("As stated, or times an estimated factor", default="estimated")
+    starts: int = quantity("", "Number of starting points of the search", ge=1, default=4)
     seed: int = quantity("", "Seed of the random starts", ge=0, default=0)
-    profiles: bool = option("Intervals from the likelihood itself, too", default=False)
-    exact: bool = option("Leave out each measurement by a refit, not by the linearized model", default=False)
-    quick: bool = option("Skip the refits that leave out one group each", default=False)
-    threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
+    profiles: bool = option("Also compute intervals from profile likelihoods", default=False)
+    exact: bool = option("Leave out each measurement by refitting, not by linearization", default=False)
+    quick: bool = option("Skip the refits that leave out one group at a time", default=False)
+    threads: int | None = quantity("", "Trials to run in parallel; one per core if omitted", ge=1, default=None)
 
 
 @value
@@ -78,13 +78,13 @@ class Identify(Command):
     --parameters of other commands), the report identify.html, fit.json, figures and tables.
     """
 
-    files: Inputs = option("One TOML file that says all, or trials: netCDF, MCAP, or with --columns others", default=())
-    what: What = option("What is identified, from what", default=What())
-    fixed: Fixed = option("What stays as it is", default=Fixed())
+    files: Inputs = option("One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=())
+    what: What = option("What is identified, from which data", default=What())
+    fixed: Fixed = option("What is held fixed", default=Fixed())
     method: Method = option("How it is fitted", default=Method())
-    laws: Files = option("Parameter files as for --base, each fitted, beside null models", default=())
-    name: str | None = option("Name of the parameter file; the task file's, or identified, if left out", default=None)
-    output: Folder = option("Folder; made if need be, files of the same names are replaced", default="identification")
+    laws: Files = option("Parameter files as for --base, each fitted and compared with null models", default=())
+    name: str | None = option("Name of the parameter file; if omitted, the task's or identified", default=None)
+    output: Folder = option("Folder, made if missing; files of the same names are replaced", default="identification")
     words: Any = option("What was typed, for the report", default=())
 
     @classmethod
@@ -102,7 +102,7 @@ class Identify(Command):
             facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
             return Outcome(facts=facts, text=_text(done, folder), succeeded=_is_whole(done.found))
         if task.base is not None:
-            raise BadFlag(f"--laws must not be given beside the parameter file of a task, got `{task.base.name}`.")
+            raise BadFlag(f"--laws must not be given together with a task's parameter file, got `{task.base.name}`.")
         bases = [load_parameters(law) for law in self.laws]
         every = {base.name: self._identified(task.with_law(base), folder / base.name)[0] for base in bases}
         statuses = [f"{name}: {done.found.status}" for name, done in every.items()]
@@ -144,7 +144,7 @@ class Identify(Command):
             return task if self.laws else replace(task, options={"joints": "prescribed", **task.options})
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
-                raise BadFlag(f"{flag(name)} must not be given beside {self.files[0]}, which says all, got {given!r}.")
+                raise BadFlag(f"{flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}.")
         task = tasks.load_task(self.files[0])
         names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
         typed = {tasks.OPTIONS[name]: getattr(self.method, name) for name in names}
@@ -153,9 +153,9 @@ class Identify(Command):
     def _table(self) -> dict[str, Any]:
         """Return the flags in the form of a task file."""
         if not (self.files or self.what.table or self.what.table1):
-            raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
+            raise BadFlag("FILE must be one TOML task file, or at least one trial, got none.")
         if not self.what.parameters:
-            raise BadFlag("--parameters must name at least one number to identify, as water.normal_drag, got none.")
+            raise BadFlag("--parameters must name at least one parameter, such as water.normal_drag, got none.")
         counted: dict[str, Any] = {**_measured(self.what.measured), "interval": self.what.interval}
         counted["free_start"] = self.what.free_start
         short = [Path(file).stem for file in self.files]
@@ -182,7 +182,7 @@ def _is_whole(found: result.Fit) -> bool:
 def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
     """Return the figures and series that are fitted, with their standard deviations."""
     found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
-    form = "NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01"
+    form = "NAME=SIGMA with SIGMA > 0, such as forward_velocity=0.01"
     for word in words:
         name, _, (sigma,) = numbers("measured", word, form)
         if sigma <= 0.0:
@@ -208,7 +208,7 @@ def _text(done: validation.Validation, folder: Path) -> str:
     rows = [{name: one for name, one in row.items() if name not in ("prior", "range")} for row in tables["parameters"]]
     parts = [found.status, table(rows)]
     if "began" in tables:
-        parts[-1] += f"\nand {len(tables['began'])} numbers of where the trials began."
+        parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."
     if found.warnings:
         parts.append("\n".join(found.warnings))
     if "errors" in tables:

@@ -29,14 +29,14 @@ class Operate(command.Command):
     file: flags.Input = option("Trial file or series file (TOML)")
     output: flags.Folder = option("Folder of the recordings and trials", default="runs")
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
-    clear: bool = option("Clear faults of the modules first: you have looked at them", default=False)
-    no_dashboard: bool = option("Plain lines instead of the dashboard, as where there is no terminal", default=False)
-    speed: float = quantity("", "Multiple of real time, as that of the virtual tank", gt=0.0, default=1.0)
-    repeats: int | None = quantity("", "Repeats of every setting; the file's if left out", ge=1, default=None)
+    clear: bool = option("Clear the modules' faults first, once you have inspected them", default=False)
+    no_dashboard: bool = option("Plain lines instead of the dashboard; always so without a terminal", default=False)
+    speed: float = quantity("", "Multiple of real time, equal to the virtual tank's", gt=0.0, default=1.0)
+    repeats: int | None = quantity("", "Repeats of every setting; the file's if omitted", ge=1, default=None)
     bus: str | None = option("Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; else the file's", default=None)
-    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, as 10.0.0.2:22223; else the file's", default=None)
+    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, e.g. 10.0.0.2:22223; else the file's", default=None)
     meter: str | None = option("Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; else the file's", default=None)
-    supply_voltage: float | None = quantity("V", "Supply of the meter; the file's if left out", gt=0.0, default=None)
+    supply_voltage: float | None = quantity("V", "Meter's supply voltage; the file's if omitted", gt=0.0, default=None)
 
     def run(self) -> command.Outcome:
         """Operate."""
@@ -88,7 +88,7 @@ class Operate(command.Command):
         where = f"({x:.2f}, {y:.2f}) m, heading {math.degrees(operation.start.heading):.1f} deg"
         print(f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True)
         if sys.stdin.isatty():
-            input("Enter when it lies there: ")
+            input("Press Enter when it is in place: ")
 
     def _shown(self, operation: settings.Operation) -> Any:
         """Return what displays the ticks: the dashboard, or plain lines on standard error."""

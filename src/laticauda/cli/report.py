@@ -187,7 +187,7 @@ def _run(trial: Trial) -> str:
     if settings.get("scene"):
         force = (trial.link_force or {}).get("contact", np.zeros((1, 3)))
         strongest = np.linalg.norm(force, axis=-1).max()
-        parts.append(f"scene {settings['scene']}: it pushes a link with {number(strongest)} N at most")
+        parts.append(f"scene {settings['scene']}: it pushes a link with at most {number(strongest)} N")
     is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
     if is_steered and settings.get("offset_bandwidth"):
         parts.append(f"steering: {scenarios.loop_in_words(settings)}")

@@ -31,8 +31,8 @@ class Robots(command.Command):
     For example: laticauda robots mamba --toml
     """
 
-    name: flags.Preset = option("A preset of any kind, or a TOML file; all if left out", default=None)
-    toml: bool = option("Print its TOML file, to change and to swim with", default=False)
+    name: flags.Preset = option("A preset of any kind, or a TOML file; all if omitted", default=None)
+    toml: bool = option("Print its TOML file, to be edited and used", default=False)
 
     def run(self) -> command.Outcome:
         """Load and describe."""
@@ -40,7 +40,7 @@ class Robots(command.Command):
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
             if self.toml:
-                raise BadArgument("toml", "must be given with the NAME of what to print")
+                raise BadArgument("toml", "must be given with the NAME to print")
             every = {kind: list(names()) for kind, (names, _) in KINDS.items()} | {"robots": _summaries()}
             return command.Outcome(facts=every, text="" if self.json else _lists())
         thing = _named(self.name)

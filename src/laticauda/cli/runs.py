@@ -22,9 +22,7 @@ class Recording(trial.Filming):
     """A command that makes a trial, with the options for its output."""
 
     save: Stored = option("Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None)
-    plot: Picture = option(
-        "Draw path, speed, joint angles and torques into this picture (.png, .pdf or .svg)", default=None
-    )
+    plot: Picture = option("Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None)
 
     def outcome(
         self,
@@ -62,9 +60,9 @@ class Recording(trial.Filming):
 class Run(scene.OfScenario, Recording):
     """A command that runs one scenario."""
 
-    file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
-    link_forces: bool = option("Log the force on every link too", default=False)
-    save_scenario: Toml = option("Write what runs to this scenario file (.toml)", default=None)
+    file: ScenarioFile = option("Scenario file (.toml) that the options modify; must come first", default=None)
+    link_forces: bool = option("Also log the force on every link", default=False)
+    save_scenario: Toml = option("Write the scenario to this file (.toml)", default=None)
 
     def swum(self, scenario: lc.Scenario) -> lc.Trial:
         """Return the trial of a scenario, which is written to a file if requested.
@@ -86,10 +84,10 @@ class Swim(Run):
     --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
     """
 
-    resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
-    interval: bool = option("Intervals of the figures, from the textbook coefficients'; 8 more runs", default=False)
+    resume: File = option("Continue from the end of this stored trial, with its robot, gait and water", default=None)
+    interval: bool = option("Also print intervals from those of the textbook coefficients (8 more runs)", default=False)
 
-    beside: Files = option("Scenarios of more robots in the same scene; --save run.nc: run-1.nc, ..., too", default=())
+    beside: Files = option("Scenarios of more robots in the same scene, saved as run-1.nc, ... by --save", default=())
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
@@ -119,8 +117,8 @@ class SwimOn(Recording):
     """Continue from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
 
     resume: File = option("The stored trial", default=None)
-    duration: float = quantity("s", "How much longer", gt=0.0, default=30.0)
-    sample_interval: float = quantity("s", "Between two samples of the log", gt=0.0, default=0.05)
+    duration: float = quantity("s", "Further duration", gt=0.0, default=30.0)
+    sample_interval: float = quantity("s", "Time between two samples of the log", gt=0.0, default=0.05)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
@@ -164,7 +162,7 @@ class Route(control.Course):
 
     waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
-        "The last two learn a current; model-predictive plans ahead, by a model fitted first", default="line-of-sight"
+        "The last two learn a current; model-predictive plans ahead, with a model fitted first", default="line-of-sight"
     )
     observe_current: bool = option(
         "Observe the current and point upstream, with a model of the gait fitted to four trials in still water first",
@@ -178,7 +176,7 @@ class Route(control.Course):
             count = len(self.waypoints)
             raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
         if self.path_depth and self.guidance == "model-predictive":
-            raise BadArgument("path_depth", "must be left out with the guidance model-predictive, which plans in plan")
+            raise BadArgument("path_depth", "must be left out with model-predictive guidance, which plans horizontally")
         guidance: Any = "line_of_sight" if self.guidance == "model-predictive" else self.guidance.replace("-", "_")
         return control.Following(
             waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
@@ -195,7 +193,7 @@ class Follow(Run):
     run.png
     """
 
-    route: Route = option("Where to go, and by which law", default=Route())
+    route: Route = option("Path to follow, and guidance law", default=Route())
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
@@ -232,7 +230,7 @@ class FollowPlanned(Follow):
     For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
     """
 
-    speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
+    speed: float | None = quantity("m/s", "Speed along the path; none: the gait's own", gt=0.0, default=None)
     plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
@@ -273,8 +271,8 @@ class Replay(Recording):
 
     file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
     estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
-    kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
-    control: bool = option("Let the controller decide again, and compare with the recorded commands", default=False)
+    kinematics: bool = option("Estimate the motion by kinematics alone, without the filter", default=False)
+    control: bool = option("Run the controller again, and compare its commands with the recorded ones", default=False)
     learn: bool = option("Learn water, current and changes of the robot from the recorded samples", default=False)
     plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None)
 
@@ -286,7 +284,7 @@ class Replay(Recording):
         if self.plot_timing is not None:
             if timing is None:
                 raise BadArgument(
-                    "plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}"
+                    "plot_timing", f"must be used with a recording of a loop that had a clock, got {self.file}"
                 )
             figures.save_figure(
                 figures.timing_sheet(timing.lateness, timing.latency, timing.interval), self.plot_timing
@@ -308,7 +306,7 @@ class Replay(Recording):
         learned = operate.rerun_learner(log, simulate.plant) if self.learn else log.of(estimation.Learned)
         if learned or self.learn:
             facts["learned"] = [vars(one) for one in learned]
-            text.append(f"Learned: {learned[-1].line if learned else 'nothing, of so few cycles'}.")
+            text.append(f"Learned: {learned[-1].line if learned else 'nothing, from so few cycles'}.")
             text += [f"{one.time:.2f} s: {change}" for one in learned for change in one.changes]
         lost = f"laticauda: {log.lost}" if log.lost else ""
         return replace(self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost)

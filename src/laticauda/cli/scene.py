@@ -26,19 +26,19 @@ Kind = TypeVar("Kind", bound=Extensible)
 class Names(Choice):
     """What swims, how and where, by name. The other flags change individual numbers."""
 
-    water: str | None = option("A preset, a file or textbook; left out: textbook, Mamba's the paper's", default=None)
+    water: str | None = option("A preset, a file or textbook; none: textbook, for Mamba the paper's", default=None)
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
-        "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of one's own",
+        "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of your own",
         default="lateral-undulation",
     )
     envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)
     joint_angles: File = option(
         "Joint angles over time instead of a gait: a preset, a CSV file (time_s, joint_1_deg at the tail, ...) or a "
-        "trial; a wave with --amplitude-deg adds to them",
+        "trial; a wave given by --amplitude-deg is added to them",
         default=None,
     )
-    law: str | None = option("The drag law by its name, or MODULE:CLASS of one's own, which is imported", default=None)
+    law: str | None = option("Drag law by name, or MODULE:CLASS of your own, which is imported", default=None)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Self:
@@ -192,7 +192,7 @@ def current(words: Sequence[str]) -> Flow:
         raise BadFlag(f"--current: {error}.") from None
 
 
-CHANGES = "a preset or a file and NAME=NUMBER ..., as swell height=0.2"
+CHANGES = "a preset or a file and NAME=NUMBER ..., such as swell height=0.2"
 OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", current
 
 
@@ -215,8 +215,8 @@ NAMES = tuple(field.name for field in fields(Names))
 class OfScenario(Command):
     """A command about one scenario: names select it, and each of its numbers is a flag."""
 
-    choice: Names = option("What swims, how and where, by name", default=Names())
-    scenario: Scenario = option("What the names stand for; every number can be changed")
+    choice: Names = option("Robot, gait and water, by name", default=Names())
+    scenario: Scenario = option("Scenario that the names select; every number can be changed")
     before: Any = option("What the names stand for, before single numbers were changed", default=None)
     origin: Any = option("Where the environment is from, in words", default="")
 

@@ -29,10 +29,10 @@ class Body:
     """What swims, and where."""
 
     robot: str = option("A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-modules")
-    water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
+    water: str | None = option("A preset, a TOML file or textbook; none: see `laticauda swim`", default=None)
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
-    scene: str | None = option("What is around it in space, as for `laticauda swim`: tank, pipe ...", default=None)
-    joints: str = option("Its servos: servo, or speed-servo, which control their speed", default="servo")
+    scene: str | None = option("Surroundings in space, as for `laticauda swim`, such as tank or pipe", default=None)
+    joints: str = option("Its servos: servo, or speed-servo with speed control", default="servo")
 
     @property
     def pool(self) -> Water:
@@ -44,20 +44,20 @@ class Body:
 class Wires:
     """How the tank is reached."""
 
-    bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] of processes, or socketcan[:NAME]", default="udp_multicast")
-    host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    bus: str = option("CAN: udp_multicast[:GROUP[:PORT]] for processes, or socketcan[:NAME]", default="udp_multicast")
+    host: str = option("Address of the cameras' server; 127.0.0.1: this computer only", default="127.0.0.1")
     port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=22223)
-    hops: int = quantity("", "Routers that frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0)
+    hops: int = quantity("", "Hop limit of udp_multicast frames; 0: this computer, 1: this network", ge=0, default=0)
 
 
 @value
 class Time:
     """Clock, random numbers and faults of the tank."""
 
-    speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
-    duration: float | None = quantity("s", "How long it runs, by the lab's clock; else until Ctrl-C", default=None)
-    seed: int = quantity("", "Seed of all that is random", ge=0, default=0)
-    faults: File = option("A schedule of what goes wrong (.toml)", default=None)
+    speed: float = quantity("", "Seconds in the lab per second of real time", gt=0.0, default=1.0)
+    duration: float | None = quantity("s", "Duration by the lab's clock; none: until Ctrl-C", default=None)
+    seed: int = quantity("", "Seed of all random numbers", ge=0, default=0)
+    faults: File = option("Schedule of faults (.toml)", default=None)
 
 
 @value
@@ -70,14 +70,14 @@ class LabCommand(Command):
     For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
     """
 
-    body: Body = option("What swims, and where", default=Body())
-    start: lc.Start = option("Where it lies, straight", default=lc.Start())
-    coefficients: Water = option("Replace what the chosen water has")
-    servos: lc.JointLaw = option("The servos' own numbers")
-    scene: Scene = option("What is around it", default=Scene())
-    wires: Wires = option("How it is reached", default=Wires())
+    body: Body = option("Robot, water and scene", default=Body())
+    start: lc.Start = option("Where the straight robot lies", default=lc.Start())
+    coefficients: Water = option("Changes to the chosen water")
+    servos: lc.JointLaw = option("Parameters of the servos")
+    scene: Scene = option("Surroundings of the robot", default=Scene())
+    wires: Wires = option("How the tank is reached", default=Wires())
     time: Time = option("Clock, random numbers and faults of the tank", default=Time())
-    save: Stored = option("Write the truth since the robot was put into the water (.nc, .csv, ...)", default=None)
+    save: Stored = option("Write the true motion since the robot was put into the water (.nc, .csv, ...)", default=None)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
@@ -100,7 +100,7 @@ class LabCommand(Command):
             threading.Thread(target=_listen, args=(served,), daemon=True).start()
             served.run(self.time.duration)
         if served.lag > 0.0:
-            print(f"This computer could not follow: the lab's clock waited for {served.lag:.1f} s.", file=sys.stderr)
+            print(f"This computer was too slow: the lab's clock waited {served.lag:.1f} s.", file=sys.stderr)
         if self.save is not None:
             tank.body.trial(packaging.__version__).save(self.save)
 
@@ -118,9 +118,9 @@ class LabCommand(Command):
     def _announce(self, addresses: "lab.LabAddresses", tank: "lab.Tank") -> None:
         host, bus = addresses.mocap_host, addresses.bus
         if host not in LOCAL:
-            print(f"Anyone who reaches {host} can read the cameras: the protocol knows no passwords.", file=sys.stderr)
+            print(f"Anyone who reaches {host} can read the cameras: the protocol has no passwords.", file=sys.stderr)
         if bus.hops or bus.interface == "socketcan":
-            print(f"Anyone on {bus} can move the robot: a CAN bus knows no passwords.", file=sys.stderr)
+            print(f"Anyone on {bus} can move the robot: a CAN bus has no passwords.", file=sys.stderr)
         qtm = f"{host}:{addresses.mocap_port}"
         line = {"bus": str(bus), "qtm": qtm, "meter": addresses.meter, "nodes": len(tank.nodes)}
         only = "" if host != "127.0.0.1" or bus.hops else " (this computer only)"
@@ -150,12 +150,12 @@ class Serve(Command):
     For example: laticauda serve --port 5055 --max-clients 4
     """
 
-    host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    host: str = option("Address to listen on; 127.0.0.1: this computer only", default="127.0.0.1")
     port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=5055)
-    max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
-    robots: Files = option("TOML files of robots that clients may name, without .toml, like presets", default=())
+    max_clients: int = quantity("", "Maximum number of clients connected at a time", ge=1, default=16)
+    robots: Files = option("TOML files of robots that clients may name (without .toml) like presets", default=())
 
-    schema: bool = option("Print the JSON Schema of all messages, and serve nobody", default=False)
+    schema: bool = option("Print the JSON Schema of all messages, and exit", default=False)
 
     def run(self) -> Outcome | None:
         """Serve until Ctrl-C."""
@@ -187,7 +187,7 @@ def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
     for file in files:
         name = Path(file).stem
         if name in found or name in robot.robot_names():
-            raise BadArgument("robots", f"must have names of their own, got {file}: there is another `{name}`")
+            raise BadArgument("robots", f"must have unique names, got {file}: there is another `{name}`")
         found[name] = lc.load_robot(Path(file))
     return found
 
@@ -214,10 +214,10 @@ class CockpitCommand(OfScenario):
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """
 
-    file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
+    file: ScenarioFile = option("Scenario file (.toml) that the options modify; must come first", default=None)
     operated: str | None = option("Show the robot of this recording, or folder, while it is operated", default=None)
     load: str | None = option("Play back this trial or recording of an operation beside it", default=None)
-    host: str = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    host: str = option("Address of the page; 127.0.0.1: this computer only", default="127.0.0.1")
     port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=8080)
 
     def run(self) -> None:

@@ -44,19 +44,19 @@ class SweepCommand(Study):
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
-        "LOW:HIGH:COUNT, or VALUE,VALUE,... of a number of robot, gait or water, with the unit in the name: "
+        "LOW:HIGH:COUNT or VALUE,VALUE,... of a parameter of robot, gait or water, with the unit in its name: "
         "amplitude-deg=10:50:100. Every combination is a trial",
         default=(),
     )
-    samples: int | None = quantity("", "So many points that fill the ranges NAME=LOW:HIGH evenly", ge=1, default=None)
-    seed: int | None = quantity("", "Seed of the samples; another one gives other points", ge=0, default=None)
-    list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
-    scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
-    output: Folder = option("The folder of results; the same command goes on there after a stop", default="sweep")
-    plot: Picture = option("Draw speed and cost of transport over what is varied (.png, .pdf, .svg)", default=None)
+    samples: int | None = quantity("", "Number of points, spread evenly over NAME=LOW:HIGH", ge=1, default=None)
+    seed: int | None = quantity("", "Seed of the samples; another seed gives other points", ge=0, default=None)
+    list: File = option("Take the points from this CSV file instead; its first line has the names", default=None)
+    scheduler: str | None = option("Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None)
+    output: Folder = option("Folder of results, where the same command resumes after a stop", default="sweep")
+    plot: Picture = option("Plot speed and cost of transport over the parameters (.png, .pdf, .svg)", default=None)
     best: Literal[
         "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
-    ] = option("Which figure the table's points are the best in", default="forward-velocity")
+    ] = option("Figure by which the best points in the table are ranked", default="forward-velocity")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
@@ -97,7 +97,7 @@ class SweepCommand(Study):
         """Return the requested points."""
         words = [word for group in self.vary for word in group]
         if self.seed is not None and self.samples is None:
-            raise BadArgument("seed", "must be given with --samples: a grid and a list have no chance in them")
+            raise BadArgument("seed", "must be given with --samples only: a grid and a list are not random")
         if self.list is not None:
             if words or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
@@ -122,23 +122,23 @@ class Optimize(Study):
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
-        "NAME=LOW:HIGH, the range of a number of robot, gait or water, with the unit in the name; if left out "
+        "NAME=LOW:HIGH: range of a parameter of robot, gait or water, with the unit in its name; if omitted, "
         f"{' '.join(RANGES)}",
         default=(),
     )
     objective: Words = option(
         "One or two of forward-velocity, steady-velocity (maximized), mechanical-power, mean-power, "
         "cost-of-transport (minimized). Two give the front between them; "
-        "speed-power stands for forward-velocity mechanical-power",
+        "speed-power is short for forward-velocity mechanical-power",
         default=(BOTH,),
     )
-    budget: int = quantity("", "How many points to try; a larger budget goes on from a smaller one", ge=1, default=4000)
+    budget: int = quantity("", "Number of points to try; a larger budget continues a smaller one", ge=1, default=4000)
     population: int | None = quantity(
-        "", "Points in a generation; if left out 100, or 40 for one objective", ge=1, default=None
+        "", "Points per generation; if omitted, 100, or 40 for one objective", ge=1, default=None
     )
-    seed: int = quantity("", "Seed of everything random; another one takes another way", ge=0, default=0)
-    limits: Limits = option("Limits that gaits have to keep", default=Limits())
-    output: Folder = option("The folder of results; a stopped search goes on there when run again", default="optimum")
+    seed: int = quantity("", "Seed of all random numbers; another seed searches differently", ge=0, default=0)
+    limits: Limits = option("Limits that gaits must observe", default=Limits())
+    output: Folder = option("Folder of results, where a stopped search resumes when run again", default="optimum")
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""
@@ -204,7 +204,7 @@ def _at_bounds(front: studies.Front) -> list[str]:
         parameter = known[row["name"]]
         at = "" if len(front) == 1 else f" at {row['n_points']} of the {len(front)} points"
         text = f"{vary.spelled(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
-        found.append(f"{text}, the {row['end']} of its range: there may be better beyond; widen it with --vary.")
+        found.append(f"{text}, the {row['end']} of its range: the best may be beyond it; widen it with --vary.")
     return found
 
 
@@ -217,7 +217,7 @@ def _status(front: studies.Front) -> str:
     what = f"{sought.scenario.gait.kind.replace('_', '-')}, robot {sought.scenario.robot.name}, {words}: {tried}"
     if not len(front):
         return (
-            f"{what}; none is left: gaits beyond the joints' limits or what their actuators have (--beyond-actuators), "
-            "runs that blew up (a smaller --dt may help), that are too slow, or too short for the objective."
+            f"{what}; none is feasible: gaits exceed the limits of joints or actuators (--beyond-actuators), or "
+            "runs blow up (a smaller --dt may help), are too slow, or are too short for the objective."
         )
     return f"{what}, {len(front)} on the front." if len(sought.objectives) > 1 else f"{what}; the best is:"

@@ -18,8 +18,8 @@ TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a
 class Filming(command.Command):
     """A command that has a trial and can film it."""
 
-    video: flags.Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
-    film: Film = option("What the film shows, and how large", default=Film())
+    video: flags.Mp4 = option("Write a 3D film of the run (.mp4)", default=None)
+    film: Film = option("Content and size of the film", default=Film())
 
     def write_film(self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()) -> None:
         """Write the film of a trial if requested.
@@ -47,14 +47,14 @@ class View(Filming):
 
     file: flags.Input = option("The trial, as `laticauda swim --save` wrote it")
     still: Annotated[flags.File, flags.Written((".png",))] = option("Write a picture (.png)", default=None)
-    time: float | None = quantity("s", "Moment of the picture; the end if left out", default=None)
-    speed: float = quantity("", "How many times as fast to show it", gt=0.0, default=1.0)
+    time: float | None = quantity("s", "Time of the picture; the end if omitted", default=None)
+    speed: float = quantity("", "Playback speed as a multiple of real time", gt=0.0, default=1.0)
     beside: flags.Files = option("Trials of other robots in the same scene, in the film or picture too", default=())
 
     def run(self) -> command.Outcome:
         """Show or write."""
         if self.time is not None and self.still is None:
-            raise BadArgument("time", "must be given with --still: it is the moment of the picture")
+            raise BadArgument("time", "must be given with --still: it is the time of the picture")
         trial, *beside = [lc.load_trial(name) for name in (self.file, *self.beside)]
         if self.still is not None:
             from laticauda.pictures.render import still
@@ -74,7 +74,7 @@ class View(Filming):
 class OfTrials(command.Command):
     """A command about stored trials."""
 
-    columns: flags.File = option("A TOML file of what a foreign log's columns are (CSV, C3D, .mat, ...)", default=None)
+    columns: flags.File = option("TOML file that describes a foreign log's columns (CSV, C3D, .mat, ...)", default=None)
 
 
 @value
@@ -101,7 +101,7 @@ class Compare(OfTrials):
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: flags.Inputs = option("Two trials or more, the reference first. Others' logs need --columns", default=())
+    files: flags.Inputs = option("Two or more trials, the reference first; foreign logs need --columns", default=())
 
     def run(self) -> command.Outcome:
         """Read and compare."""
@@ -120,13 +120,13 @@ class Plot(OfTrials):
     For example: laticauda trial plot bare.nc fin.nc --output both.png
     """
 
-    files: flags.Inputs = option("One trial or more, each a file as `trial show` reads it", default=())
-    output: Annotated[flags.Made, flags.PICTURES] = option("The picture to write, or replace: .png, .pdf or .svg")
+    files: flags.Inputs = option("One or more trials, in any format that `trial show` reads", default=())
+    output: Annotated[flags.Made, flags.PICTURES] = option("Picture to write or replace: .png, .pdf or .svg")
 
     def run(self) -> command.Outcome:
         """Read and draw."""
         if not self.files:
-            raise BadArgument("files", "must name one trial or more")
+            raise BadArgument("files", "must name one or more trials")
         trials = [_either(file, self.columns) for file in self.files]
         figure = trials[0].plot() if len(trials) == 1 else figures.overlay(trials, self.files)
         figures.save_figure(figure, self.output)
@@ -144,7 +144,7 @@ class Convert(OfTrials):
     """
 
     file: flags.Input = option(TRIAL)
-    output: flags.Output = option("The file to write, or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/")
+    output: flags.Output = option("File to write or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/")
 
     def run(self) -> command.Outcome:
         """Read and write."""

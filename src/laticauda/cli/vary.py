@@ -20,9 +20,9 @@ from laticauda.studies.sweep import LABELS, attributes_of
 
 # Fields of these are named by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
-FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, as amplitude-deg=10:50:100"
-RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
-SAMPLES_FORM = "NAME=LOW:HIGH with --samples, as amplitude-deg=10:50"
+FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, such as amplitude-deg=10:50:100"
+RANGE_FORM = "NAME=LOW:HIGH, such as amplitude-deg=10:50"
+SAMPLES_FORM = "NAME=LOW:HIGH with --samples, such as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
 
 Known = Mapping[str, Parameter]
@@ -32,8 +32,8 @@ Known = Mapping[str, Parameter]
 class Study(scene.OfScenario):
     """A command that runs a scenario with many values of its numbers."""
 
-    names: bool = option("Print the names of what can be varied, and end", default=False)
-    threads: int | None = quantity("", "How many trials run at once here; one per core if left out", ge=1, default=None)
+    names: bool = option("Print the names of all parameters that can be varied, and exit", default=False)
+    threads: int | None = quantity("", "Trials to run in parallel here; one per core if omitted", ge=1, default=None)
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
@@ -80,7 +80,7 @@ def grid(words: Sequence[str], known: Known) -> studies.Grid:
                 raise BadArgument("vary", f"must be {FORM}, got {word!r}")
             low, high, count = values
             if not (count.is_integer() and 1 <= count <= MOST_COUNT):
-                raise BadArgument("vary", f"must have a COUNT that is a whole number >= 1, got {word!r}")
+                raise BadArgument("vary", f"must have a whole COUNT between 1 and {MOST_COUNT}, got {word!r}")
             values = np.linspace(low, high, int(count)).tolist()
         found[parameter.name] = [factor * one for one in values]
     return studies.Grid(values=found)
@@ -147,11 +147,11 @@ def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Param
         full, suffix = parameter.name.replace("_", "-"), DEGREES.get(parameter.unit, "").replace("_", "-")
         if plain in (spelled(parameter), full + suffix, full):
             if parameter.name in before:
-                raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
+                raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
             # With dots and no unit, a name is in SI units, as in Python.
             return parameter, math.radians(1.0) if suffix and plain != full else 1.0
     hint = near(plain, [spelled(parameter) for parameter in known.values()])
-    raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{hint} (--names lists all)")
+    raise BadArgument("vary", f"must name a parameter of robot, gait or water, got {name!r}{hint} (--names lists all)")
 
 
 def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]) -> str:

@@ -30,7 +30,7 @@ CURRENT = 2.0  # maximum along an axis [m/s]
 RIGIDITY = 0.2  # initial value of an elastic fin [N m^2]
 FINS = ("none", "rigid", "elastic")
 UNIFORM, OWN, IN_FLOW = "uniform", "as it came", "flow_"  # a uniform current, and the water as when the page started
-FLOW = "How the water moves; what this computer has not swum in yet is compiled first, some 10 s"
+FLOW = "How the water moves; a flow that is new to this computer is compiled first, about 10 s"
 ASIDE = 0.6  # from the robot to the start of a path [m]
 
 
@@ -66,7 +66,7 @@ class Controls:
         with gui.add_folder("Robot and water"):
             self._add_body(gui)
         with gui.add_folder("Path"):
-            hint = "Follow a straight line by the paper's line of sight; drag its gizmo to move or turn it."
+            hint = "Follow a straight line with the paper's line-of-sight guidance; drag its gizmo to move or turn it."
             follow = gui.add_checkbox("follow a path", False, hint=hint)
             self._add("path", follow, lambda now: path_of(now) is not None, lambda on: {"path": self._new_path(on)})
         with gui.add_folder("Time"):
@@ -161,7 +161,7 @@ class Controls:
         self._add("model", handle, lambda now: name_of(type(now.model)), lambda it: {"model": it})
         handle = gui.add_dropdown("joints", JointLaw.names())
         self._add("joints", handle, lambda now: name_of(type(now.model.joints)), lambda it: {"joints": it})
-        hint = "V, the velocity that the water moves to, along world x and y [m/s]"
+        hint = "V, the velocity of the water along world x and y [m/s]"
         for axis, name in enumerate(("x", "y")):
             handle = gui.add_number(f"current {name} [m/s]", 0.0, step=0.01, hint=hint)
 

@@ -25,7 +25,7 @@ OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_
 """Mapped quantities, frequencies by amplitudes, by their names on the page."""
 DURATION = 20.0  # of every trial [s]
 WAITING = f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials; the first map also compiles, some 20 s ..."
-OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: how it swims now."
+OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: the current gait."
 
 
 class GaitMap:
@@ -40,7 +40,7 @@ class GaitMap:
 
     def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
         self._live = live
-        self._on = gui.add_checkbox("show the map", False, hint="Over amplitude and frequency; some seconds of work")
+        self._on = gui.add_checkbox("show the map", False, hint="Over amplitude and frequency; takes some seconds")
         self._quantity = gui.add_dropdown("quantity", tuple(OF_GAITS))
         self._image = gui.add_image(np.zeros((1, 1, 3), dtype=np.uint8), format="png", visible=False)
         self._best = gui.add_button("swim the best of the map", visible=False)

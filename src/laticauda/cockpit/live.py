@@ -199,7 +199,7 @@ class Live:
                 self._tick(forces=False)
             log, now = self.record()
         if len(log.time) < 2:
-            raise ValueError("There is no run to save yet: the setting has only just been changed.")
+            raise ValueError("There is no run to save yet: the settings have only just been changed.")
         swum = now.plant
         body: dict[str, Any] = {"robot": swum.robot, "environment": swum.environment, "model": swum.settings}
         is_whole = len(log.time) == now.ticks + 1 and now.has_interval

@@ -68,7 +68,7 @@ class Feed:
         self.estimate, then = self._estimates[shown], self._estimates[0]
         gone, way = self.estimate.time - then.time, self.estimate.center_of_mass - then.center_of_mass
         self.speed = float(np.linalg.norm(way)) / gone if gone > 0.5 * SPAN else math.nan
-        return f"Nothing was written for {age:.0f} s: it is drawn where it was last." if age > SILENT else ""
+        return f"Nothing has been written for {age:.0f} s: the last position is shown." if age > SILENT else ""
 
     def _follow(self) -> float | None:
         """Read new entries of the newest recording; return when it was last written to, None without one [s]."""
@@ -110,7 +110,7 @@ class OperatedRobot:
         self._body = Body(pictures, "operated")
         self._trail = Trail(pictures, "/operated trail", TRAIL)
         gui.add_markdown(
-            "The robot that `laticauda operate` moves, as its recording says; read-only. "
+            "The robot that `laticauda operate` moves, as recorded; read-only. "
             "`laticauda cockpit --operated FOLDER` shows the newest one in a folder."
         )
         self._alone = gui.add_checkbox("hide the simulated robot", True)

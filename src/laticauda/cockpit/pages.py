@@ -90,7 +90,7 @@ def _limit_uploads(server: Any) -> None:
         )
         if message.size_bytes > MOST_UPLOADED or len(sent) > MOST_UPLOADS:
             sent.pop(message.transfer_uuid, None)
-            refused = f"A file must have {MOST_UPLOADED >> 20} MiB or less, and come when few others do."
+            refused = f"A file must have {MOST_UPLOADED >> 20} MiB or less, and be sent while few others are."
             if page in (there := server.get_clients()):
                 there[page].add_notification("Refused", refused, color="red", auto_close_seconds=12.0)
 
@@ -123,7 +123,7 @@ def _in_one_line(record: logging.LogRecord) -> bool:
     """Reduce errors caused by invalid input to one line, and drop those of clients that have just left."""
     error = record.exc_info[1] if record.exc_info else None
     if error is not None:
-        record.msg, record.args, record.exc_info = f"A page was hung up on: {error!r:.200}", (), None
+        record.msg, record.args, record.exc_info = f"A page was disconnected: {error!r:.200}", (), None
     return not isinstance(error and error.__cause__, EOFError)
 
 
@@ -151,7 +151,7 @@ def _guarding(door: Door) -> Generator[None]:
     finally:
         module.serve = usual
     if not made:
-        raise LaticaudaError("This viser serves its pages by other means, to everybody: install viser 1.1.")
+        raise LaticaudaError("This version of viser serves its pages unprotected: install viser 1.1.")
 
 
 def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:

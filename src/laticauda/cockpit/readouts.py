@@ -58,7 +58,7 @@ def numbers_text(live: Live) -> str:
     """Return the figures next to those of the paper, as Markdown."""
     failure = live.simulation.failure
     if failure is not None:
-        return f"**{failure}** Change something, or reset."
+        return f"**{failure}** Change a setting, or reset."
     now, tank = numbers(live), measured(live.scenario)
     kind = "mechanical" if live.latest().electrical_work is None else "electrical"
     rows = [

@@ -25,7 +25,7 @@ from laticauda.trial import Format, Trial
 READ = tuple(ending for ending in Format.endings() if ending != ".csv")
 SAVED = "cockpit-run.nc"
 GAP = 0.5  # from the robot to a ghost next to it, to the left of the robot's heading [m]
-BESIDE = "It begins beside the robot; else it is where it was when it was recorded"
+BESIDE = "The ghost begins beside the robot; otherwise, where it was recorded"
 DURATION = 30.0  # [s]
 SECONDS = 60.0  # time limit for reading an uploaded file
 ROOM = 2 << 30  # memory limit for reading it [bytes]
@@ -59,7 +59,7 @@ class Ghost:
         self.robot: robot.Robot = trial.chain
         self._trial = trial
         if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
-            raise ValueError("The trial must say which way the robot was turned in space, to be shown.")
+            raise ValueError("The trial must hold the robot's orientation in space to be shown.")
 
     def move(self, place: np.ndarray) -> None:
         """Shift the ghost so that it begins at a given position [m]."""
@@ -91,7 +91,7 @@ class Runs:
         self._reading = threading.Lock()
         hint = "The run since the setting was last changed, at most ten minutes of it, as a netCDF file"
         gui.add_button("save the run", hint=hint).on_click(self._save)
-        hint = f"What swims, how and where, from where it first began, as {FILE}"
+        hint = f"Robot, gait and water, from where the robot first began, as {FILE}"
         gui.add_button("download the scenario", hint=hint).on_click(self._send_scenario)
         hint = f"A saved run, or the recording of an operation ({', '.join(READ)}), as a ghost"
         upload = gui.add_upload_button("play back a trial", hint=hint)
@@ -214,7 +214,7 @@ def foreign_trial(path: Path, name: str) -> Trial:
     if done.returncode == REFUSED:
         raise TrialFileError(done.stderr.decode(errors="replace"))
     if done.returncode:
-        raise TrialFileError(f"Cannot load {name}: whoever reads it ended at once, or at {ROOM >> 20} MiB.")
+        raise TrialFileError(f"Cannot load {name}: its reader ended at once, or exceeded {ROOM >> 20} MiB.")
     return stored_trial(read, name)
 
 

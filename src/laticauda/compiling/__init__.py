@@ -39,7 +39,7 @@ def _find_folder() -> str:
         folder = tempfile.mkdtemp(prefix="laticauda-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         os.environ["NUMBA_CACHE_DIR"] = cast(Any, config).CACHE_DIR = folder
-        return f"compiled kernels are kept in {folder} until this program ends"
+        return f"compiled kernels are kept in {folder} only until this program ends"
     return ""
 
 
@@ -167,7 +167,7 @@ def in_turn(function: FunctionType) -> Any:
         with locked(Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True):
             found = compile_now(signature)
         if _kept_for_now and compiled.stats.cache_misses:  # the code did not come with the installation
-            warnings.warn(f"{_kept_for_now}; name a folder in NUMBA_CACHE_DIR that it may write to", stacklevel=2)
+            warnings.warn(f"{_kept_for_now}; set NUMBA_CACHE_DIR to a writable folder", stacklevel=2)
         return found
 
     compiled.compile = compile_or_load

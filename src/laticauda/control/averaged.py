@@ -50,19 +50,19 @@ class AveragedModel:
     """
 
     turn_0: float = quantity("1/s", "Turning rate per offset, at frequency 0")
-    turn_1: float = quantity("", "What it gains with the frequency")
-    bend: float = quantity("", "What an offset adds to the mean link angle at once, before the robot turns")
-    bend_lag: float = quantity("s", "Time constant with which the joints take the offset on", gt=0.0)
+    turn_1: float = quantity("", "Its increase with the frequency")
+    bend: float = quantity("", "Immediate effect of an offset on the mean link angle, before the robot turns")
+    bend_lag: float = quantity("s", "Time constant with which the joints adopt the offset", gt=0.0)
     speed_0: float = quantity("m/s", "Speed along the heading, at frequency 0")
-    speed_1: float = quantity("m", "What it gains with the frequency")
-    speed_offset: float = quantity("m", "What it gains with frequency and offset^2; negative: a bent robot is slower")
+    speed_1: float = quantity("m", "Its increase with the frequency")
+    speed_offset: float = quantity("m", "Its increase with frequency and offset^2; negative: a bent robot is slower")
     speed_lag: float = quantity("s", "Time constant of the speed", gt=0.0)
     sway: float = quantity("m", "Speed to the left of psi per turning rate")
     sway_lag: float = quantity("s", "Time constant of that speed", gt=0.0)
     power_0: float = quantity("W", "Power at frequency 0")
-    power_1: float = quantity("W (s/rad)^k", "What it gains with the frequency to the power of k", ge=0.0)
+    power_1: float = quantity("W (s/rad)^k", "Its increase with the frequency to the power of k", ge=0.0)
     power_exponent: float = quantity("", "k", gt=0.0)
-    power_offset: float = quantity("W (s/rad)^k", "What it gains with that and the square of the offset")
+    power_offset: float = quantity("W (s/rad)^k", "Its increase with that times the square of the offset")
 
     # The arguments are numbers, arrays or CasADi symbols: the same code serves the fit, the observer and the plan.
 
@@ -255,9 +255,9 @@ def _check(trials: Sequence[Trial]) -> None:
     if len(frequencies) < 3:
         raise BadArgument("trials", f"must have at least 3 different frequencies, got {len(frequencies)}")
     if len(shapes) > 1:
-        raise BadArgument("trials", f"must be of one gait but for its frequency and offset, got {len(shapes)} gaits")
+        raise BadArgument("trials", f"must share a gait except for frequency and offset, got {len(shapes)} gaits")
     if not any(np.ptp(_offset(trial)) > 0.0 or _offset(trial)[0] != 0.0 for trial in trials):
-        raise BadArgument("trials", "must have an offset that turns the robot in at least one of them, got none")
+        raise BadArgument("trials", "must include at least one with a nonzero offset, got none")
 
 
 def _offset(trial: Trial) -> Array:
@@ -295,9 +295,9 @@ class OffsetSteps(Controller[int]):
         ValueError: If a field is out of its range.
     """
 
-    gait: Gait = option("What swims")
-    offsets: tuple[float, ...] = quantity("rad", "One after the other, the last one from then on", default=OFFSETS)
-    interval: float = quantity("s", "How long each is held", default=12.0, gt=0.0)
+    gait: Gait = option("Gait that is steered")
+    offsets: tuple[float, ...] = quantity("rad", "Offsets in order; the last one is kept", default=OFFSETS)
+    interval: float = quantity("s", "Time for which each is held", default=12.0, gt=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""

@@ -52,10 +52,10 @@ class CurrentObserver:
         ValueError: If a field is out of its range.
     """
 
-    model: AveragedModel = option("How the gait moves the robot in still water: `fit_averaged`")
+    model: AveragedModel = option("Model of the gait in still water, from `fit_averaged`")
     speed_std: float = quantity(
         "m/s",
-        "How well the model knows the speed, which a steady current along the heading cannot be told from",
+        "Uncertainty of the model's speed, indistinguishable from a steady current along the heading",
         ge=0.0,
         default=0.01,
     )

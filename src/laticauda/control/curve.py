@@ -111,7 +111,7 @@ def natural_cubic(points: Vectors) -> Curve:
     if speed[slowest] < 1e-6 * np.max(speed):
         x, y = corners[slowest]
         raise BadArgument(
-            "waypoints", f"must give a curve with a direction, but it turns on the spot at ({x:g}, {y:g})"
+            "waypoints", f"must give a curve with a direction everywhere, but it turns on the spot at ({x:g}, {y:g})"
         )
     pieces = _length(knots, cubics, nodes[:-1], nodes[1:])
     lengths = np.concatenate(([0.0], np.cumsum(pieces)))

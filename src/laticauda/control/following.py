@@ -28,8 +28,8 @@ class Course:
     )
     path_depth: tuple[float, ...] | None = quantity(
         "m",
-        "Depth of the path: one for all of it, or one per waypoint; none: depth is not steered. It needs pitch joints "
-        "and the spatial model",
+        "Depth of the path: one for all of it, or one per waypoint; None: no depth control. Requires pitch "
+        "joints and the spatial model",
         default=None,
     )
 
@@ -43,20 +43,20 @@ class Following(Course):
     """
 
     waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
-    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
+    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("guidance law", default="line_of_sight")
     look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
     integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
     gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
     max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
     heading_estimate: Literal["raw", "cycle_mean"] = option("raw, or cycle_mean over the last cycle", default="raw")
-    interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
+    interval: float = quantity("s", "time between two control instants", gt=0.0, default=0.05)
     observer: current.CurrentObserver | None = option(
-        "what observes the current, so that the robot points upstream; None: nothing does", default=None
+        "observer of the current, which lets the robot point upstream; None: no observer", default=None
     )
-    climb_look_ahead_distance: float = quantity("m", "Delta in depth", gt=0.0, default=1.0)
-    climb_integral_gain: float = quantity("m/s", "sigma in depth; 0: no integral", ge=0.0, default=0.03)
+    climb_look_ahead_distance: float = quantity("m", "Delta for depth", gt=0.0, default=1.0)
+    climb_integral_gain: float = quantity("m/s", "sigma for depth; 0: no integral", ge=0.0, default=0.03)
     climb_gain: float = quantity("", "offset of the pitch joints per climb error", gt=0.0, default=0.6)
-    max_climb_offset: float = quantity("rad", "largest of them to either side", gt=0.0, default=math.radians(10.0))
+    max_climb_offset: float = quantity("rad", "largest such offset to either side", gt=0.0, default=math.radians(10.0))
 
     def __post_init__(self) -> None:
         """Check the waypoints by building the path, and the parameters of the laws by building the laws."""
@@ -82,7 +82,7 @@ class Following(Course):
         if len(depths) == 1:
             return StraightLine(point=(0.0, -depths[0]))
         if len(depths) != len(along):
-            rule = f"must be one depth, or {len(along)}, one per waypoint, or a circle's first and last"
+            rule = f"must be one depth, or {len(along)}: one per waypoint, or the first and last of a circle"
             raise BadArgument("path_depth", f"{rule}, got {len(depths)} of them")
         points = [(at, -depth) for at, depth in zip(along, depths, strict=True)]
         ends = (along[0] - LEVEL, -depths[0]), (along[-1] + LEVEL, -depths[-1])

@@ -63,7 +63,7 @@ class LineOfSight(Guidance[None]):
         -45
     """
 
-    look_ahead_distance: float = quantity("m", "Delta; smaller is steeper", gt=0.0)
+    look_ahead_distance: float = quantity("m", "Delta; smaller means a steeper approach", gt=0.0)
 
     def init(self) -> None:
         """Return None: the law has no state."""
@@ -182,7 +182,7 @@ class HeadingEstimate:
         ValueError: If the window is negative.
     """
 
-    window: float = quantity("s", "How far back the mean goes; the gait's period, 0 for no mean", ge=0.0, default=0.0)
+    window: float = quantity("s", "Averaging time; the gait's period, or 0 for no mean", ge=0.0, default=0.0)
 
     def init(self) -> HeadingWindow:
         """Return an empty window."""
@@ -205,7 +205,7 @@ class HeadingEstimate:
             return ((time, heading, 0.0),), heading
         last = state[-1][0]
         if time - last <= ROUNDING:
-            raise BadArgument("time", f"must grow from step to step, got {last} s and then {time} s")
+            raise BadArgument("time", f"must increase from step to step, got {last} s and then {time} s")
         begin = max(time - self.window, state[0][0])
         oldest = max(bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0)  # last one not inside
         seen = (*state[oldest:], (time, heading, grown(state[-1], time, heading)))

@@ -62,16 +62,16 @@ class PathFollowing(Controller[PathFollowingState]):
         0.05
     """
 
-    gait: gaits.Gait = option("What swims along the path; its own offset is added")
-    path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
-    guidance: Guidance[Any] = option("Law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own")
-    heading: HeadingController = option("The law that turns the robot")
+    gait: gaits.Gait = option("Gait that follows the path; its own offset is added")
+    path: Path[Any] = option("Path to follow: `StraightLine`, `Polyline`, `Spline` or a custom one")
+    guidance: Guidance[Any] = option("Guidance law: `LineOfSight`, `IntegralLineOfSight` or a custom one")
+    heading: HeadingController = option("Heading controller")
     heading_estimate: Literal["raw", "cycle_mean"] = option(
-        "Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period",
+        "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period",
         default="raw",
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
-    observer: CurrentObserver | None = option("Of the current, against which it then points; None: no", default=None)
+    observer: CurrentObserver | None = option("Observer of the current, to point upstream; None: none", default=None)
     max_crab_angle: float = quantity(
         "rad", "Largest angle by which it points upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi
     )
@@ -221,8 +221,8 @@ class SpatialPathFollowing(PathFollowing):
     """
 
     profile: Path[Any] = option("The path in profile: x is the distance along `path`, y the height, 0 at the surface")
-    climb_guidance: Guidance[Any] = option("The law that leads to the path in profile")
-    climb: HeadingController = option("The law that turns it in profile")
+    climb_guidance: Guidance[Any] = option("Guidance law in profile")
+    climb: HeadingController = option("Climb controller")
 
     @property
     def _profile(self) -> PathFollowing:
@@ -245,7 +245,7 @@ class SpatialPathFollowing(PathFollowing):
         """
         if observation.center_of_mass.size != 3:
             raise BadArgument(
-                "observation", "must be of a spatial model for a path in space, got one of a planar model"
+                "observation", "must come from a spatial model for a path in space, got one from a planar model"
             )
         plan, turn = super().step(state, observation)
         at, velocity = observation.center_of_mass, observation.center_of_mass_velocity

@@ -30,8 +30,8 @@ class StraightLine(Path[None]):
         0.5
     """
 
-    point: tuple[float, float] = quantity("m", "Where the along-track distance is 0, world axes", default=(0.0, 0.0))
-    angle: float = quantity("rad", "Its direction to the world x axis, counter-clockwise", default=0.0)
+    point: tuple[float, float] = quantity("m", "Point with along-track distance 0, in world axes", default=(0.0, 0.0))
+    angle: float = quantity("rad", "Its direction, from the world x axis, counter-clockwise", default=0.0)
 
     def init(self) -> None:
         """Return None: a line has no progress."""
@@ -63,9 +63,9 @@ class Circle(Path[tuple[float, float] | None]):
         ValueError: If the radius is not positive, or the number of turns is 0.
     """
 
-    center: tuple[float, float] = quantity("m", "Its middle; x and y in world axes")
+    center: tuple[float, float] = quantity("m", "Its center; x and y in world axes")
     radius: float = quantity("m", "Its radius", gt=0.0)
-    turns: float = quantity("", "How many, positive to the left; negative: to the right", default=1.0)
+    turns: float = quantity("", "Number of turns; positive: to the left, negative: to the right", default=1.0)
 
     def __post_init__(self) -> None:
         """Reject zero turns."""
@@ -117,8 +117,8 @@ class Polyline(Path[int]):
         ValueError: If there are fewer than two waypoints or two equal ones in a row, or a number is not finite.
     """
 
-    waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
-    acceptance_distance: float = quantity("m", "How near a waypoint counts as reached; 0: passed", default=0.0, ge=0.0)
+    waypoints: Waypoints = quantity("m", "Waypoints in order; x and y in world axes")
+    acceptance_distance: float = quantity("m", "Distance that counts as reached; 0: once passed", default=0.0, ge=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -190,7 +190,7 @@ class Spline(Path[float | None]):
             curve turns back on the spot.
     """
 
-    waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
+    waypoints: Waypoints = quantity("m", "Waypoints in order; x and y in world axes")
 
     def __post_init__(self) -> None:
         """Check every field once."""

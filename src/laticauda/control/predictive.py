@@ -166,10 +166,10 @@ class PredictiveState:
 class PlanLimits:
     """Limits of a plan, and the law that steers if there is no plan."""
 
-    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Least, greatest; None: the gait's", default=None)
-    power_limit: float = quantity("W", "Most that the gait may take, mean over a cycle, modelled", default=math.inf)
+    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Lowest, highest; None: the gait's", default=None)
+    power_limit: float = quantity("W", "Limit of the gait's modeled mean power over a cycle", default=math.inf)
     max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
-    look_ahead_distance: float = quantity("m", "Look-ahead of the line of sight that takes over", default=1.62, gt=0.0)
+    look_ahead_distance: float = quantity("m", "Look-ahead of the fallback line of sight", default=1.62, gt=0.0)
     gain: float = quantity("", "Gain of its heading law", default=0.25, gt=0.0)
     interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
 
@@ -187,32 +187,32 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         ValueError: If a field is out of its range.
     """
 
-    gait: Gait = option("What swims; its frequency is what a run starts with")
-    path: Path[Any] = option("Where to go")
-    model: averaged.AveragedModel = option("How this gait moves this robot: `fit_averaged`")
-    speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
-    offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)
-    frequency_rate: float = quantity("rad/s^2", "Largest change of the frequency", default=0.2, gt=0.0)
+    gait: Gait = option("Gait; a run starts with its frequency")
+    path: Path[Any] = option("Path to follow")
+    model: averaged.AveragedModel = option("Model of this gait and robot, from `fit_averaged`")
+    speed: float = quantity("m/s", "Desired speed along the path", gt=0.0)
+    offset_rate: float = quantity("rad/s", "Largest rate of change of the offset", default=math.radians(20.0), gt=0.0)
+    frequency_rate: float = quantity("rad/s^2", "Largest rate of change of the frequency", default=0.2, gt=0.0)
     cross_track_tolerance: float = quantity(
-        "m", "Distance from the path that costs 1 per second; far off the cost grows in proportion", default=0.1, gt=0.0
+        "m", "Distance from the path that costs 1 per second; far away, the cost grows linearly", default=0.1, gt=0.0
     )
-    course_tolerance: float = quantity("rad", "Angle of the course to the path that costs 1 per s", default=0.5, gt=0.0)
-    speed_tolerance: float = quantity("m/s", "What is missing in speed that costs 1 per second", default=0.05, gt=0.0)
+    course_tolerance: float = quantity("rad", "Angle between course and path that costs 1 per s", default=0.5, gt=0.0)
+    speed_tolerance: float = quantity("m/s", "Lack of speed that costs 1 per second", default=0.05, gt=0.0)
     power_tolerance: float = quantity("W", "Power that costs 1 per second", default=1000.0, gt=0.0)
-    horizon: int = quantity("", "How many steps a plan looks ahead, behind the first of one interval", default=15, ge=1)
-    stage: float = quantity("s", "How long each of them is", default=1.0, gt=0.0)
-    iterations: int = quantity("", "Most that the solver may take for a plan", default=40, ge=1)
+    horizon: int = quantity("", "Number of planned steps after the first, which lasts one interval", default=15, ge=1)
+    stage: float = quantity("s", "Duration of each of them", default=1.0, gt=0.0)
+    iterations: int = quantity("", "Most solver iterations per plan", default=40, ge=1)
 
     def __post_init__(self) -> None:
         """Check every field once."""
         low, high = self.frequencies
         positive("frequency_limits[0]", low, "rad/s")
         if not low <= self.gait.frequency <= high:
-            rule = f"must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them"
+            rule = f"must enclose the gait's frequency of {self.gait.frequency:.4g} rad/s"
             raise BadArgument("frequency_limits", f"{rule}, got {low:.4g} and {high:.4g}")
         least = max(self.model.power(low, offset) for offset in (0.0, self.max_offset))
         if not self.power_limit >= least:
-            rule = f"must be >= {least:.4g} W, what the least frequency takes with the largest offset"
+            rule = f"must be >= {least:.4g} W, the power at the lowest frequency with the largest offset"
             raise BadArgument("power_limit", f"{rule}, got {self.power_limit}")
 
     @property

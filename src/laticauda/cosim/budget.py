@@ -48,7 +48,7 @@ class Budget:
         if isinstance(water, Water) and water.flow:
             kind = (type(model), type(model.joints), type(water.drag), *dict.fromkeys(map(type, water.flow.parts)))
             if kind not in self.kinds and len(self.kinds) >= MOST_KINDS:
-                rule = f"must be of a kind that this server has compiled: it has its {MOST_KINDS}, each with other laws"
+                rule = f"must be of a kind that this server has compiled: its limit of {MOST_KINDS} kinds is reached"
                 raise BadArgument("current", rule)
             self.kinds.add(kind)
 

@@ -32,9 +32,9 @@ def read_message(line: bytes) -> dict[str, Any]:
     try:
         found = json.loads(line.decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
     except UnicodeDecodeError:
-        raise ValueError("A message must be one line of JSON in UTF-8, got bytes that are no text.") from None
+        raise ValueError("A message must be one line of JSON in UTF-8, got bytes that are not text.") from None
     except RecursionError:
-        raise ValueError("A message must be one line of JSON, got brackets that are nested too deep.") from None
+        raise ValueError("A message must be one line of JSON, got brackets that are nested too deeply.") from None
     except json.JSONDecodeError as error:
         raise ValueError(f"A message must be one line of JSON; it is not: {error}.") from None
     if not isinstance(found, dict):
@@ -59,7 +59,7 @@ def _finite(digits: str) -> float:
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy's arrays and numbers
         return value.tolist()
-    raise TypeError(f"{type(value).__name__} has no place in JSON")
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
 MOST_LINKS = 200
@@ -88,14 +88,14 @@ LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")
 class Held:
     """Position, command (except for the gait) and current in a message."""
 
-    center_of_mass: tuple[float, float] = quantity("m", "Where it starts", default=(0.0, 0.0))
+    center_of_mass: tuple[float, float] = quantity("m", "Initial position", default=(0.0, 0.0))
     offset: float = quantity("rad", "Offset of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0)
     pitch_offset: float = quantity("rad", "Offset of all pitch joints", ge=-1e3, le=1e3, default=0.0)
-    references: tuple[float, ...] | None = quantity("rad", "Where joints go, not where the gait says", default=None)
+    references: tuple[float, ...] | None = quantity("rad", "References of the joints, not the gait's", default=None)
     enabled: tuple[bool, ...] | None = option("Whether each joint's motor is on", default=None)
     thrusts: tuple[float, ...] | None = quantity("N", "Thrust of every driven thruster", default=None)
     deflections: tuple[float, ...] | None = quantity("rad", "Deflection of every driven pectoral fin", default=None)
-    current: Current = quantity("m/s", "Which the water moves to, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
+    current: Current = quantity("m/s", "Velocity of the water, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
 
 
 def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> scenarios.Scenario:
@@ -191,7 +191,7 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
     """Return the named fields that are present, decoded and checked."""
     mine = {name: said[name] for name in names if name in said}
     if '"source":' in json.dumps(mine.get("current"), default=str):
-        raise BadArgument("current", "must not name a file: the server reads none for its clients")
+        raise BadArgument("current", "must not name a file: the server reads no files for its clients")
     if isinstance(name := mine.get("current"), str):
         mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
     checked = codec.decode(Held, mine)

@@ -30,8 +30,8 @@ OWN: Mapping[str, Schema] = {
     "id": {},
     "protocol": {"const": messages.PROTOCOL_VERSION},
     "token": TEXT,
-    "duration": {"type": "number", "exclusiveMinimum": 0, "description": "How long [s]"},
-    "since": {"type": "number", "description": "Later samples only [s]"},
+    "duration": {"type": "number", "exclusiveMinimum": 0, "description": "Duration [s]"},
+    "since": {"type": "number", "description": "Only samples after this time [s]"},
     "series": {"anyOf": [TEXT, {"type": "array", "items": TEXT}], "description": "Names of quantities"},
 }
 """Fields of requests that no class declares."""

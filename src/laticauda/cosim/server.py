@@ -124,7 +124,7 @@ class Server:
             if welcome:
                 self._talk(wire)
             else:
-                _dismiss(wire, f"The server has its {self.max_clients} clients; come back later.")
+                _dismiss(wire, f"The server already has {self.max_clients} clients, its maximum; try again later.")
         except OSError:
             pass  # the client has disconnected
         finally:
@@ -150,7 +150,7 @@ class Server:
                     wire.sendall(session.answer(line))
                     wire.settimeout(IDLE)
         if len(line) == MESSAGE_BYTES:
-            _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
+            _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye.")
 
     def _why_not(self, line: bytes, *, is_known: bool) -> str:
         """Return why a line is rejected and its client disconnected; "" if the line is accepted."""

@@ -163,7 +163,7 @@ def stepped(world: World, duration: float) -> World:
         ValueError: If the robot's motion diverged earlier, or if the step would take too long.
     """
     if world.broken is not None:
-        raise ValueError(f"{world.broken} `reset` begins anew.")
+        raise ValueError(f"{world.broken} `reset` starts again.")
     interval = min(world.scenario.sample_interval, duration)
     with world.budget.turn_for(check_work(world, duration, interval)):
         state, log, failure = world.plant.march(world.state, world.command, duration, interval)
@@ -248,7 +248,7 @@ class Session:
     def _answer(self, message: Message) -> dict[str, Any]:
         asked = message.get("protocol", messages.PROTOCOL_VERSION)
         if asked != messages.PROTOCOL_VERSION:
-            raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, which it speaks, got {asked!r}")
+            raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, the server's version, got {asked!r}")
         do = one_of("do", message.get("do"), tuple(self._requests))
         codec.check_keys(message, (*messages.COMMON, *messages.REQUESTS[do]))
         return self._requests[do](message)

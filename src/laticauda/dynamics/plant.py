@@ -385,4 +385,4 @@ def check_size(duration: float, sample_interval: float) -> None:
     longest = MOST_SAMPLES * sample_interval
     if duration > longest:
         rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
-        raise BadArgument("duration", f"{rule}; a longer `sample_interval` lets a run be longer")
+        raise BadArgument("duration", f"{rule}; a longer `sample_interval` allows a longer run")

@@ -39,12 +39,12 @@ class Estimator(StateEstimator):
     report torques: the sensor is on the motor's side, which leads by half the backlash wherever the motor pulls.
     """
 
-    noise: Noise = option("how much sensors and model are off", default_factory=Noise)
-    swim_speed: float | None = quantity("m/s", "speed through the water under the gait, if it is known", default=None)
-    swim_speed_std: float = quantity("m/s", "how well it is known", gt=0.0, default=0.01)
+    noise: Noise = option("noise of the sensors and of the model", default_factory=Noise)
+    swim_speed: float | None = quantity("m/s", "speed through the water under the gait, if known", default=None)
+    swim_speed_std: float = quantity("m/s", "its standard deviation", gt=0.0, default=0.01)
     plant: Plant[Any] | None = option("the digital twin", default=None)
     coupling: float = quantity("", "k of the twin's joints, phi_ref + k (phi - phi_twin)", ge=0.0, default=1.0)
-    backlash: float = quantity("rad", "play between a joint and its sensor, in all", ge=0.0, default=0.0)
+    backlash: float = quantity("rad", "total play between a joint and its sensor", ge=0.0, default=0.0)
     gate: float = quantity("", "standard deviations beyond which a measurement is rejected", gt=0.0, default=5.0)
     largest_residual: float = quantity("m", "of the markers of an accepted frame", gt=0.0, default=0.005)
     patience: int = quantity("", "frames rejected in a row after which the filter must be wrong", ge=1, default=10)
@@ -58,7 +58,7 @@ class Estimator(StateEstimator):
         if self.plant is not None and isinstance(water := self.plant.environment, Water) and water.flow is not None:
             object.__setattr__(self, "plant", replace(self.plant, environment=water.still))  # the filter handles a flow
         if self.plant is not None and self.swim_speed is not None:
-            raise BadArgument("swim_speed", f"must be None beside a `plant`, which knows it, got {self.swim_speed}")
+            raise BadArgument("swim_speed", f"must be None with a `plant`, which determines it, got {self.swim_speed}")
 
     @cached_property
     def model(self) -> MotionModel:

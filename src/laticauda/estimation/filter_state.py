@@ -23,9 +23,9 @@ class Noise:
 
     position: float = quantity("m", "of the marker body, per axis", gt=0.0, default=0.001)
     yaw: float = quantity("rad", "of the marker body", gt=0.0, default=math.radians(0.1))
-    joint: float = quantity("rad", "of a joint's sensor, with rests of its backlash", gt=0.0, default=math.radians(0.3))
-    joint_acceleration: float = quantity("rad/s^2/sqrt(Hz)", "straying of rate from reference", gt=0.0, default=0.5)
-    position_walk: float = quantity("m/sqrt(s)", "how fast the center of mass strays", ge=0.0, default=0.001)
+    joint: float = quantity("rad", "of a joint's sensor, with residual backlash", gt=0.0, default=math.radians(0.3))
+    joint_acceleration: float = quantity("rad/s^2/sqrt(Hz)", "drift of the rate from reference", gt=0.0, default=0.5)
+    position_walk: float = quantity("m/sqrt(s)", "how fast the center of mass drifts", ge=0.0, default=0.001)
     surge: float = quantity("m/s/sqrt(s)", "how fast the speed through the water changes", ge=0.0, default=0.0067)
     sway: float = quantity("m/s", "of the sideways speed, which fades within `sway_time`", ge=0.0, default=0.01)
     sway_time: float = quantity("s", "in which the sideways speed fades", gt=0.0, default=6.0)

@@ -37,8 +37,8 @@ class KinematicEstimator(StateEstimator):
     mass is then computed for modules whose own centers of mass are on their axes.
     """
 
-    in_space: bool = option("whether it measures in three dimensions; else pitch joints are straight", default=False)
-    span: float = quantity("s", "time over which velocities are taken", gt=0.0, default=0.1)
+    in_space: bool = option("whether to estimate in three dimensions; else pitch joints are straight", default=False)
+    span: float = quantity("s", "time over which velocities are averaged", gt=0.0, default=0.1)
 
     @cached_property
     def _chain(self) -> Robot:

@@ -49,11 +49,11 @@ class Learning:
     """What is learnt while a robot swims, and what counts as a change."""
 
     unknown: tuple[Coefficient, ...] = option(
-        "coefficients of the water that are learnt", default=("normal_drag", "tangential_friction")
+        "coefficients of the water that are learned", default=("normal_drag", "tangential_friction")
     )
-    coefficient: float = quantity("", "how far they may be off in the beginning, as a share", gt=0.0, default=0.3)
+    coefficient: float = quantity("", "their relative uncertainty at the beginning", gt=0.0, default=0.3)
     current: float = quantity("m/s", "how fast the water may move", gt=0.0, default=0.05)
-    window: float = quantity("s", "how long anything is remembered", gt=5.0, default=60.0)
+    window: float = quantity("s", "how long data are remembered", gt=5.0, default=60.0)
     doubt: float = quantity("", "standard deviations beyond which the water has changed", gt=0.0, default=10.0)
     stuck: float = quantity("", "share of its usual swing below which a joint is stuck", gt=0.0, default=0.3)
     weak: float = quantity("", "share of it below which a joint is weak", gt=0.0, default=0.88)
@@ -117,9 +117,9 @@ class Learner:
         ValueError: If the plant cannot be the robot's twin, or is on the ground.
     """
 
-    settings: Learning = option("what is learnt", default=Learning())
-    robot: Robot = option("as it is built, whose joints the samples have")
-    plant: Plant[Any] = option("the robot as it is thought to be, in water whose unknown coefficients are a guess")
+    settings: Learning = option("what is learned", default=Learning())
+    robot: Robot = option("the robot as built, with the joints of the samples")
+    plant: Plant[Any] = option("the assumed robot, in water whose unknown coefficients are a guess")
     mount: Mount = option("where the marker body sits", default_factory=Mount)
 
     def __post_init__(self) -> None:
@@ -127,7 +127,7 @@ class Learner:
         check_plant(self.plant, self.robot)
         water = self.plant.environment
         if not isinstance(water, Water):
-            raise BadArgument("plant", f"must be in water for anything to be learnt, got the ground `{water.name}`")
+            raise BadArgument("plant", f"must be in water for anything to be learned, got the ground `{water.name}`")
         self.mount.on_link(self.robot)
 
     @cached_property

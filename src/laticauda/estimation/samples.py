@@ -128,8 +128,8 @@ class Mount:
     In the paper, it is on "the last module", which also carries the caudal fin: the tail, module 0 here.
     """
 
-    module: int = quantity("", "which module of the robot carries it, 0 = tail", ge=0, default=0)
-    offset: Offset = quantity("m", "its place from that module's middle: forward, to the left, up", default=(0.0, 0.0))
+    module: int = quantity("", "the module that carries it, 0 = tail", ge=0, default=0)
+    offset: Offset = quantity("m", "its position from that module's middle: forward, left, up", default=(0.0, 0.0))
     angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
 
     def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
@@ -165,10 +165,10 @@ class StateEstimator:
         ValueError: If a field is out of its range, or the robot has no module that carries the markers.
     """
 
-    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
+    robot: Robot = option("the robot; in the plane, with straight pitch joints")
     mount: Mount = option("where the marker body sits", default_factory=Mount)
-    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
-    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
+    bridging_after: float = quantity("s", "after this long without a frame, it is `bridging`", gt=0.0, default=0.05)
+    lost_after: float = quantity("s", "after this long without a frame, it is `lost`", gt=0.0, default=1.5)
 
     def __post_init__(self) -> None:
         """Reject a mount that is not on the robot."""

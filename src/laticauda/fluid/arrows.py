@@ -44,7 +44,7 @@ class Arrows:
     @property
     def words(self) -> str:
         """Description of the scale."""
-        return f"arrows: the water's way in {self.time:g} s"
+        return f"arrows: displacement of the water in {self.time:g} s"
 
     @property
     def key(self) -> float:

@@ -79,11 +79,11 @@ class LambOseen(Flow):
 
     circulation: float = quantity("m^2/s", "Gamma, positive counter-clockwise from above")
     core: float = quantity("m", "r_c at the start", gt=0.0)
-    x: float = quantity("m", "Where its axis is at the start", default=0.0)
-    y: float = quantity("m", "The same", default=0.0)
-    velocity_x: float = quantity("m/s", "Of its axis", default=0.0)
-    velocity_y: float = quantity("m/s", "The same", default=0.0)
-    viscosity: float = quantity("m^2/s", "nu; of water 1e-6, of eddies more", ge=0.0, default=0.0)
+    x: float = quantity("m", "Initial x of its axis", default=0.0)
+    y: float = quantity("m", "Initial y of its axis", default=0.0)
+    velocity_x: float = quantity("m/s", "Velocity of its axis along x", default=0.0)
+    velocity_y: float = quantity("m/s", "Velocity of its axis along y", default=0.0)
+    viscosity: float = quantity("m^2/s", "nu: 1e-6 for water, more as an eddy viscosity", ge=0.0, default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
@@ -99,8 +99,8 @@ class LambOseen(Flow):
 class _Shed(LambOseen):
     """One vortex of a street: it leaves the cylinder, drifts downstream, fades, and restarts; its core is constant."""
 
-    life: float = quantity("s", "From one begin to the next", gt=0.0)
-    born: float = quantity("s", "When it leaves for the first time")
+    life: float = quantity("s", "Time from one start to the next", gt=0.0)
+    born: float = quantity("s", "Time at which it first leaves")
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
@@ -127,20 +127,20 @@ class KarmanStreet(Flow):
     """
 
     speed: float = quantity("m/s", "U, of the stream", gt=0.0, default=0.2)
-    direction: float = quantity("rad", "To where the stream goes, from x counter-clockwise", default=0.0)
+    direction: float = quantity("rad", "Direction of the stream, from the x axis, counter-clockwise", default=0.0)
     diameter: float = quantity("m", "D, of the cylinder", gt=0.0, default=0.3)
-    x: float = quantity("m", "Where the cylinder stands", default=0.0)
-    y: float = quantity("m", "The same", default=0.0)
-    strouhal: float = quantity("", "St, frequency of vortices of one side times D / U", gt=0.0, default=0.2)
-    street_speed: float = quantity("", "Share of U at which vortices go downstream", gt=0.0, le=1.0, default=0.86)
-    core: float = quantity("", "r_c of vortices per D", gt=0.0, le=1.0, default=0.25)
-    pairs: int = quantity("", "How many pairs of vortices the street is long", ge=2, le=200, default=10)
-    phase: float = quantity("rad", "Of the shedding at the start", default=0.0)
+    x: float = quantity("m", "x of the cylinder", default=0.0)
+    y: float = quantity("m", "y of the cylinder", default=0.0)
+    strouhal: float = quantity("", "St, shedding frequency on one side times D / U", gt=0.0, default=0.2)
+    street_speed: float = quantity("", "Downstream speed of vortices as a fraction of U", gt=0.0, le=1.0, default=0.86)
+    core: float = quantity("", "r_c of the vortices as a fraction of D", gt=0.0, le=1.0, default=0.25)
+    pairs: int = quantity("", "Length of the street in pairs of vortices", ge=2, le=200, default=10)
+    phase: float = quantity("rad", "Initial phase of the shedding", default=0.0)
 
     def __post_init__(self) -> None:
         widest = 0.5 * self.spacing / self.diameter
         if self.core > widest:
-            raise BadArgument("core", f"must be <= {widest:.4g}, half the way between vortices, got {self.core:g}")
+            raise BadArgument("core", f"must be <= {widest:.4g}, half the vortex spacing, got {self.core:g}")
 
     @property
     def frequency(self) -> float:
@@ -209,17 +209,17 @@ class Turbulence(Flow):
     """Homogeneous isotropic turbulence and the mean velocity that carries it."""
 
     intensity: float = quantity("m/s", "Root mean square of each component of the velocity", ge=0.0, default=0.03)
-    largest: float = quantity("m", "Wave length of the largest eddies", gt=0.0, default=4.0)
-    smallest: float = quantity("m", "Wave length of the smallest eddies", gt=0.0, default=0.4)
-    mean: tuple[float, float, float] = quantity("m/s", "U, world axes", default=(0.0, 0.0, 0.0))
-    evolution: float = quantity("", "Change of eddies per their own rate; 0: frozen", ge=0.0, default=0.0)
-    modes: int = quantity("", "How many modes", ge=1, le=1000, default=32)
-    seed: int = quantity("", "Of the random numbers", ge=0, default=0)
+    largest: float = quantity("m", "Wavelength of the largest eddies", gt=0.0, default=4.0)
+    smallest: float = quantity("m", "Wavelength of the smallest eddies", gt=0.0, default=0.4)
+    mean: tuple[float, float, float] = quantity("m/s", "U in world axes", default=(0.0, 0.0, 0.0))
+    evolution: float = quantity("", "Rate of change of eddies per their own rate; 0: frozen", ge=0.0, default=0.0)
+    modes: int = quantity("", "Number of modes", ge=1, le=1000, default=32)
+    seed: int = quantity("", "Seed of the random numbers", ge=0, default=0)
 
     def __post_init__(self) -> None:
         """Reject smallest eddies that are not smaller than the largest."""
         if not self.smallest < self.largest:
-            raise BadArgument("smallest", f"must be < {self.largest:g} m, the largest eddies, got {self.smallest:g}")
+            raise BadArgument("smallest", f"must be < `largest` = {self.largest:g} m, got {self.smallest:g}")
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]

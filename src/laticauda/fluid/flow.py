@@ -209,7 +209,7 @@ class Flow(Law, Extensible, group="flows"):
 class Sum(Flow):
     """Sum of several flows: their velocities, gradients and surface elevations are added."""
 
-    flows: tuple[Flow, ...] = option("What is added up")
+    flows: tuple[Flow, ...] = option("Flows to add")
 
     @property
     def parts(self) -> tuple[Flow, ...]:
@@ -263,7 +263,7 @@ class Rows(NamedTuple):
             ValueError: If a part is a flow on a grid.
         """
         if any(shape is not None for *_, shape in self.parts):
-            raise BadArgument("current", f"must not be a gridded flow: {reader} reads no tables; got one")
+            raise BadArgument("current", f"must not be a gridded flow: {reader} cannot read its table; got one")
 
 
 def rows_of(flow: Flow, height: float | None = None) -> Rows:

@@ -111,7 +111,7 @@ def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
     there = [name for name in COMPONENTS if called[name] is not None]
     if there[:2] != ["u", "v"]:
         listed = ", ".join(f"`{name}`" for name in given.variables)
-        raise BadArgument("source", f"must have `u` and `v`, by their names or `standard_name`, got {listed}")
+        raise BadArgument("source", f"must have variables `u` and `v`, by name or `standard_name`, got {listed}")
     ours: Any = given.rename({one: name for name, one in called.items() if one not in (None, name)})[there]
     units = [_unit(called[name], name, ours[name]) for name in there]
     ours = ours.expand_dims([axis for axis in AXES if axis not in ours.dims])
@@ -141,19 +141,19 @@ def _unit(called: str, name: str, variable: Any) -> float:
         raise BadArgument(called, f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {shown(given)}")
     other = [dim for dim in variable.dims if dim not in AXES]
     if other:
-        raise BadArgument(called, f"must be over time, z (or depth), y and x alone, got the dimension `{other[0]}`")
+        raise BadArgument(called, f"must depend only on time, z (or depth), y and x, got the dimension `{other[0]}`")
     gaps = np.argwhere(~np.isfinite(variable.values))
     if len(gaps):
         first = ", ".join(f"{dim} = {variable[dim].values[i]}" for dim, i in zip(variable.dims, gaps[0], strict=True))
-        rule = f"must be a number at all {variable.size} nodes, got {len(gaps)} without one, the first at {first}"
-        raise BadArgument(called, f"{rule}; fill them, as `dataset.fillna(0.0)` does")
+        rule = f"must be a number at all {variable.size} nodes, got {len(gaps)} gaps, the first at {first}"
+        raise BadArgument(called, f"{rule}; fill them, e.g. with `dataset.fillna(0.0)`")
     return UNITS[name][given]
 
 
 def _placed(called: str, name: str, ours: Any) -> Any:
     """Return a Dataset with the coordinate of an axis ascending and in our unit; dates count from the first."""
     if name not in ours.coords:
-        raise BadArgument(called, "must have coordinates, which say where the nodes are")
+        raise BadArgument(called, "must have coordinates that give the positions of the nodes")
     at, attributes = ours[name].values, ours[name].attrs
     if at.dtype.kind == "M":
         at = (at - at[0]) / np.timedelta64(1, "s")
@@ -165,8 +165,8 @@ def _placed(called: str, name: str, ours: Any) -> Any:
         ours, at = ours.isel({name: slice(None, None, -1)}), at[::-1]
     least, most = float(np.diff(at).min()), float(np.diff(at).max())
     if not (least > 0.0 and most - least < 1e-3 * least):
-        rule = f"must go up or down by equal steps, got some from {least:g} to {most:g}"
-        raise BadArgument(called, f"{rule}; interpolate it, as `dataset.interp` does")
+        rule = f"must ascend or descend in equal steps, got steps from {least:g} to {most:g}"
+        raise BadArgument(called, f"{rule}; interpolate it, e.g. with `dataset.interp`")
     return ours
 
 
@@ -204,15 +204,15 @@ class Gridded(Flow):
     that of the nearest level.
     """
 
-    source: Any = option("A netCDF file, where a file names it from its folder, or an xarray Dataset, which none keeps")
+    source: Any = option("A netCDF file (in a file, relative to its folder) or an xarray Dataset (not stored in files)")
     outside: Literal["refuse", "hold", "zero", "periodic"] = option(
-        "In x and y: runs end there, or the motion at the edge, or none, or the grid again and again", default="refuse"
+        "Beyond its edges in x and y: end the run, keep the motion at the edge, no motion, or repeat", default="refuse"
     )
     beyond: Literal["refuse", "hold", "zero", "periodic"] = option(
-        "Before its first and after its last time: likewise", default="refuse"
+        "The same before its first and after its last time", default="refuse"
     )
-    start: float = quantity("s", "The grid's time at which a run begins, from its first if that is a date", default=0.0)
-    digest: str = option("Of its numbers; filled in, and checked where it is given", default="")
+    start: float = quantity("s", "Grid time at which a run begins, from the first if that is a date", default=0.0)
+    digest: str = option("Digest of its values; filled in, and checked if given", default="")
 
     def __post_init__(self) -> None:
         is_path = isinstance(self.source, str | Path)
@@ -228,7 +228,7 @@ class Gridded(Flow):
         """
         grid = read(self.source) if isinstance(self.source, str) else self.source
         if self.digest not in ("", grid.digest):
-            raise BadArgument("digest", f"must be that of `{self.source}`, which has changed since, got {self.digest}")
+            raise BadArgument("digest", f"must match `{self.source}`, which has changed since, got {self.digest}")
         return grid
 
     @property

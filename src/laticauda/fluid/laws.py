@@ -119,9 +119,9 @@ class PolynomialDrag(DragLaw):
     """
 
     reference_speed: float = quantity("m/s", "U_ref, at which linear and quadratic drag are equal", ge=0.0, default=1.0)
-    linear: bool = option("Whether there is a part that is linear in the speed, of force and torque", default=True)
-    quadratic: bool = option("Whether there is a part that is quadratic in the speed", default=True)
-    sway_friction: float = quantity("", "gamma, drag along growing with the local sideways speed", ge=0.0, default=0.0)
+    linear: bool = option("Whether force and torque have a part that is linear in the speed", default=True)
+    quadratic: bool = option("Whether force and torque have a part that is quadratic in the speed", default=True)
+    sway_friction: float = quantity("", "gamma, growth of tangential drag with sideways speed", ge=0.0, default=0.0)
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """Return the loads; the directions are independent, except for the sway friction."""
@@ -162,8 +162,8 @@ class TotalSpeedDrag(DragLaw):
         [2] WEC-Sim, documentation for developers, Morison element: the moving body.
     """
 
-    beta: float = quantity("", "beta, share of the speed along in the drag across", ge=0.0, le=1.0, default=0.5)
-    gamma: float = quantity("", "gamma, share of the speed across in the drag along", ge=0.0, le=1.0, default=1.0)
+    beta: float = quantity("", "beta, share of the tangential speed in the normal drag", ge=0.0, le=1.0, default=0.5)
+    gamma: float = quantity("", "gamma, share of the normal speed in the tangential drag", ge=0.0, le=1.0, default=1.0)
 
     def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
         """Return the loads; each force opposes its own velocity, scaled by a speed that combines both."""

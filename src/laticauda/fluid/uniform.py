@@ -20,8 +20,8 @@ class Uniform(Flow):
     """
 
     u: float = quantity("m/s", "Velocity along x", default=0.0)
-    v: float = quantity("m/s", "Along y", default=0.0)
-    w: float = quantity("m/s", "Upward", default=0.0)
+    v: float = quantity("m/s", "Velocity along y", default=0.0)
+    w: float = quantity("m/s", "Velocity upward", default=0.0)
     turning: float = quantity("rad/s", "Rate at which it turns about the vertical, counter-clockwise", default=0.0)
     ramp: float = quantity("s", "T, time from rest to full speed", ge=0.0, default=0.0)
 
@@ -48,9 +48,9 @@ class LinearShear(Flow):
     """Straight layers whose speed changes across the flow, with the height, or both."""
 
     speed: float = quantity("m/s", "U, at the origin", default=0.0)
-    direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
-    across: float = quantity("1/s", "Change of the speed to the left of the flow", default=0.0)
-    upward: float = quantity("1/s", "Change of the speed with the height", default=0.0)
+    direction: float = quantity("rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0)
+    across: float = quantity("1/s", "Gradient of the speed toward the left of the flow", default=0.0)
+    upward: float = quantity("1/s", "Change of the speed with height", default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion, whose gradient is the same everywhere."""
@@ -64,9 +64,9 @@ class PowerLawShear(Flow):
     """Layers of a river or tide: U (h / d)^n at the height h above the bed; above the surface as at the surface."""
 
     speed: float = quantity("m/s", "U, at the surface", default=0.1)
-    direction: float = quantity("rad", "It moves to, from the x axis, counter-clockwise", default=0.0)
+    direction: float = quantity("rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0)
     depth: float = quantity("m", "d, of the water", gt=0.0, default=1.0)
-    exponent: float = quantity("", "n, a seventh in rivers", gt=0.0, le=1.0, default=1.0 / 7.0)
+    exponent: float = quantity("", "n, about 1/7 in rivers", gt=0.0, le=1.0, default=1.0 / 7.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion, which is zero below the bed."""

@@ -148,17 +148,17 @@ class Waves(Flow):
     """Regular waves of one period, which is given or follows from their length and the depth."""
 
     height: float = quantity("m", "H, from trough to crest", gt=0.0, default=0.1)
-    period: float | None = quantity("s", "T; left out: that of the `length`, or 2 s", gt=0.0, default=None)
-    length: float | None = quantity("m", "From crest to crest; left out: that of the `period`", gt=0.0, default=None)
-    depth: float = quantity("m", "d, of the water; left out: deep", gt=0.0, default=math.inf)
-    direction: float = quantity("rad", "They move to, from the x axis, counter-clockwise", default=0.0)
-    phase: float = quantity("rad", "Of the surface at the origin at the start; 0 is a crest", default=0.0)
+    period: float | None = quantity("s", "T; from the `length`, or 2 s, if omitted", gt=0.0, default=None)
+    length: float | None = quantity("m", "From crest to crest; from the `period` if omitted", gt=0.0, default=None)
+    depth: float = quantity("m", "d, of the water; deep if omitted", gt=0.0, default=math.inf)
+    direction: float = quantity("rad", "Direction of travel, from the x axis, counter-clockwise", default=0.0)
+    phase: float = quantity("rad", "Phase of the surface at the origin at the start; 0: a crest", default=0.0)
 
     def __post_init__(self) -> None:
         if self.period is not None and self.length is not None:
             found = 2.0 * math.pi / wave_number(self.omega, self.depth)
             if abs(self.length - found) > 1e-3 * found:
-                raise BadArgument("length", f"must be {found:.4g} m, that of the period, got {self.length:g}")
+                raise BadArgument("length", f"must be {found:.4g} m, as follows from the period, got {self.length:g}")
         check_unbroken("height", self.height, self.omega, self.depth)
 
     @property
@@ -184,14 +184,14 @@ class Sea(Flow):
     """
 
     significant_height: float = quantity("m", "H_s, 4 standard deviations of the surface", gt=0.0, default=0.1)
-    peak_period: float = quantity("s", "T_p, where the spectrum is largest", gt=0.0, default=2.0)
-    spectrum: Literal["jonswap", "pierson_moskowitz"] = option("Its shape: `jonswap` has a peak", default="jonswap")
+    peak_period: float = quantity("s", "T_p, at the peak of the spectrum", gt=0.0, default=2.0)
+    spectrum: Literal["jonswap", "pierson_moskowitz"] = option("Shape; `jonswap` has a sharper peak", default="jonswap")
     peakedness: float = quantity("", "gamma of `jonswap`", ge=1.0, le=10.0, default=3.3)
-    direction: float = quantity("rad", "They move to in the mean, from the x axis", default=0.0)
+    direction: float = quantity("rad", "Mean direction of travel, from the x axis", default=0.0)
     spread: float = quantity("rad", "Standard deviation of the direction", ge=0.0, le=1.4, default=0.0)
-    depth: float = quantity("m", "d, of the water; left out: deep", gt=0.0, default=math.inf)
+    depth: float = quantity("m", "d, of the water; deep if omitted", gt=0.0, default=math.inf)
     components: int = quantity("", "Number of waves", ge=1, le=1000, default=32)
-    seed: int = quantity("", "Of frequencies, directions and phases", ge=0, default=0)
+    seed: int = quantity("", "Seed of frequencies, directions and phases", ge=0, default=0)
 
     def __post_init__(self) -> None:
         peak = 2.0 * math.pi / self.peak_period

@@ -129,7 +129,7 @@ def envelope_of(kind: str) -> Envelope:
         raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
     found = Envelope.named(kind.replace("_", "-"))
     if found is Custom:
-        raise BadArgument("kind", f"must be an envelope that needs no values, got `{kind}`; take `Custom(values=...)`")
+        raise BadArgument("kind", f"must be an envelope that needs no values, got `{kind}`; use `Custom(values=...)`")
     return found()
 
 
@@ -179,9 +179,9 @@ class Wave:
     amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
-    phase: float = quantity("rad", "lead over the yaw wave, at tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
-    offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", ge=-pi, le=pi, default=0.0)
-    envelope: Envelope = option("g of the pitch joints, how the amplitude is spread", default=LateralUndulation())
+    phase: float = quantity("rad", "lead over the yaw wave at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
+    offset: float = quantity("rad", "phi_0; positive turns down, or bends a fin left", ge=-pi, le=pi, default=0.0)
+    envelope: Envelope = option("g, distribution of the amplitude over pitch joints", default=LateralUndulation())
 
     def target(self, offset: float = 0.0) -> WaveTarget:
         """Return the wave's target for the reference generator; `offset` [rad] is added to the wave's own.
@@ -218,10 +218,10 @@ class Gait:
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi)
     offset: float = quantity("rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0)
-    envelope: Envelope = option("g, how the amplitude is spread along the body", default=LateralUndulation())
-    pitch: Wave | None = option("What the pitch joints do; None: they stay straight", default=None)
-    fin: Wave | None = option("What a driven fin does; None: it stays straight", default=None)
-    recorded: JointAngles | None = option("Angles of the yaw joints over time, which the wave adds to", default=None)
+    envelope: Envelope = option("g, distribution of the amplitude along the body", default=LateralUndulation())
+    pitch: Wave | None = option("Wave of the pitch joints; None: they stay straight", default=None)
+    fin: Wave | None = option("Wave of a driven fin; None: it stays straight", default=None)
+    recorded: JointAngles | None = option("Angles of yaw joints over time, to which the wave is added", default=None)
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""

@@ -51,8 +51,8 @@ class Generator:
     """
 
     n_links: int = quantity("", "n, the number of links", ge=1)
-    axes: tuple[str, ...] | None = option("How every joint turns, tail first; None: all of them yaw", default=None)
-    bandwidth: float = quantity("rad/s", "Bandwidth of the filters on what a gait asks for", default=10.0, gt=0.0)
+    axes: tuple[str, ...] | None = option("Axis of every joint, tail first; None: all of them yaw", default=None)
+    bandwidth: float = quantity("rad/s", "Bandwidth of the filters on the gait's parameters", default=10.0, gt=0.0)
     ramp: float = quantity("s", "T of the smooth start; 0 means none", default=1.0, ge=0.0)
 
     def __post_init__(self) -> None:

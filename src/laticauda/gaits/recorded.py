@@ -30,13 +30,13 @@ class JointAngles:
         ValueError: If the times do not increase, or the number of angles of a joint differs from the number of times.
     """
 
-    time: tuple[float, ...] = quantity("s", "When: since the start of the run, increasing")
+    time: tuple[float, ...] = quantity("s", "Times since the start of the run, increasing")
     angle: tuple[tuple[float, ...], ...] = quantity("rad", "Angle of every yaw joint, tail first, at these times")
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
         if len(self.time) < 2 or any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
-            raise BadArgument("time", "must be two times or more that increase")
+            raise BadArgument("time", "must be at least two increasing times")
         for i, one in enumerate(self.angle):
             if len(one) != len(self.time):
                 rule = f"must have one angle per time, {len(self.time)}, got {len(one)}"
@@ -70,7 +70,7 @@ class JointAngles:
         columns = read_columns(path, TrialFileError)
         joints = sorted((int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name)))
         if "time_s" not in columns or [k for k, _ in joints] != list(range(1, max(len(joints), 1) + 1)):
-            rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... from the tail on"
+            rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... starting at the tail"
             raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
         units = np.array([[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints])
         try:
@@ -114,7 +114,7 @@ class JointAngles:
             ValueError: If the number of joints differs.
         """
         if len(self.angle) != shares.size:
-            raise BadArgument("recorded", f"must have angles of every yaw joint, {shares.size}, got {len(self.angle)}")
+            raise BadArgument("recorded", f"must have angles of all {shares.size} yaw joints, got {len(self.angle)}")
         return self.knots * np.concatenate(([1.0], np.repeat(shares, 2)))
 
     def at(self, time: float) -> Float[np.ndarray, "3 n_joints"]:

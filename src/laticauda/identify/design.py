@@ -266,14 +266,14 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
     half = np.linalg.solve(root, added)
     news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to the known information
-    return f"tells about {identifiability.combination_of(root @ news, unknowns)}"
+    return f"adds information on {identifiability.combination_of(root @ news, unknowns)}"
 
 
 def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarray) -> str:
     """Describe in numbers what straight trials contribute."""
     with np.errstate(invalid="ignore"):
         k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
-    words = f"After the best {n} trials that swim, `{names[k]}` is {share(swimming[k])}; after these {n}, "
+    words = f"After the best {n} swimming trials, `{names[k]}` is {share(swimming[k])}; after these {n}, "
     return f"{words}{share(after[k])}."
 
 

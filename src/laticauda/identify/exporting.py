@@ -84,7 +84,7 @@ def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
         way, _, last = name.rpartition(".")
         table = way.removeprefix("robot.").removeprefix("joint.")
         if table not in NAMES or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
-            rule = f"must be numbers that a parameter file has a table for, got `{name}`"
-            raise BadArgument("parameters", f"{rule}; `Fit.robot` makes a robot with it")
+            rule = f"must be numbers that a parameter file can hold, got `{name}`"
+            raise BadArgument("parameters", f"{rule}; `Fit.robot` returns a robot with it")
         result.setdefault(table, {})[last] = value
     return result

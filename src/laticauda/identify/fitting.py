@@ -36,7 +36,7 @@ Vector = Float[np.ndarray, " n"]
 
 Keep = Callable[[Mapping[str, float], float], None]
 """Callback of a search, called with the best values so far, by name, and their sum of squares."""
-INTERRUPTED = "interrupted: these are the best values until then; what comes after was not computed."
+INTERRUPTED = "interrupted: these are the best values so far; later steps were not computed."
 
 
 def fit(
@@ -203,7 +203,7 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
     names = ", ".join(measurement.figures)
     raise BadArgument(
         "figures",
-        f"of `{measurement.name}` must be ones that its simulation has, got {names}; a trial of "
+        f"of `{measurement.name}` must be ones that its simulation yields, got {names}; a trial of "
         f"{measurement.scenario.duration:g} s may be too short for a steady velocity",
     )
 

@@ -36,8 +36,8 @@ class Tow:
     yaw moment about the middle of the links is positive if it turns the robot further away.
     """
 
-    speed: float = quantity("m/s", "Through the water", gt=0.0)
-    angle: float = quantity("rad", "From the direction of the tow to the heading", default=0.0)
+    speed: float = quantity("m/s", "Speed through the water", gt=0.0)
+    angle: float = quantity("rad", "Angle from the direction of the tow to the heading", default=0.0)
 
     def loads(self, scenario: lc.Scenario) -> dict[str, float]:
         """Compute the loads exerted by the water.
@@ -82,7 +82,7 @@ class Measurement:
     def __post_init__(self) -> None:
         """Check every field once, and freeze its contents."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise BadArgument("name", f"must be a text that is not empty, got {self.name!r}")
+            raise BadArgument("name", f"must be a non-empty text, got {self.name!r}")
         instance("scenario", self.scenario, lc.Scenario)
         instance("figures", self.figures, Mapping)
         instance("series", self.series, Mapping)
@@ -95,7 +95,7 @@ class Measurement:
             "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
         }
         if (self.time is None) != (not self.series):
-            raise BadArgument(f"time` of `{self.name}", "must be given for series, and only for them")
+            raise BadArgument(f"time` of `{self.name}", "must be given with series, and only with series")
         if self.time is not None:
             checked["time"] = self._checked_time(self.time)
             series = {name: self._one_series(name, pair, checked["time"].size) for name, pair in self.series.items()}
@@ -103,7 +103,7 @@ class Measurement:
         for name, one in checked.items():
             object.__setattr__(self, name, one)
         if not self.figures and not self.series:
-            raise BadArgument("figures", f"or `series` of `{self.name}` must hold something measured, got nothing")
+            raise BadArgument("figures", f"or `series` of `{self.name}` must hold something measured, got none")
 
     def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
         units = UNITS if self.tow is None else LOADS

@@ -298,7 +298,7 @@ def dependence(
         if twice:
             raise BadArgument(
                 "parameters",
-                f"must say once per measurement what `{name}` is for, got both `{scope}` and `{split[twice[0]][0]}`",
+                f"must list `{name}` once per measurement at most, got both `{scope}` and `{split[twice[0]][0]}`",
             )
     return moves
 
@@ -321,7 +321,7 @@ def _common_model(measurements: Sequence[Measurement], model: Model | str | None
     models = [model_of(model or m.scenario.model, **changes) for m in measurements]
     for measurement, one in zip(measurements, models, strict=True):
         if one != models[0]:
-            raise BadArgument("measurements", f"must be of one model, got another one in `{measurement.name}`")
+            raise BadArgument("measurements", f"must all be of one model, got another one in `{measurement.name}`")
     return models[0]
 
 
@@ -363,19 +363,19 @@ def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str
     if degrees > 0.0 and (chi2 < low or chi2 > high):
         found.append(
             f"chi^2 out of range: {chi2:.4g} at {degrees:.0f} degrees of freedom, where the stated noise gives "
-            f"{low:.4g} to {high:.4g} in 99.9 % of all cases: it or the model is wrong, and the intervals with it."
+            f"{low:.4g} to {high:.4g} in 99.9 % of all cases: it or the model is wrong, and so are the intervals."
         )
     if lags:
         words = ", ".join(f"{lag:.2f} ({name})" for name, lag in lags.items())
         found.append(
-            f"correlated residuals: from sample to sample the noise has a correlation of {words}; intervals are up to "
-            f"{widening:.2g} times as wide for it."
+            f"correlated residuals: the noise has a sample-to-sample correlation of {words}, which widens intervals by "
+            f"a factor of up to {widening:.2g}."
         )
     frictions = [one.name for one in problem.unknowns if one.parameter.name.endswith("tangential_friction")]
     if frictions and not any(one.coasts for one in problem.measurements):
         found.append(
-            f"no coast-down: `{frictions[0]}` makes up for whatever the model lacks of thrust and drag; it is the "
-            "water's only where a straight robot that coasts is among the data."
+            f"no coast-down: `{frictions[0]}` makes up for any thrust or drag that the model lacks; it belongs to the "
+            "water only if a straight coasting robot is among the data."
         )
     gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
     if len(gaits) == 1 and len(problem.scenarios) > 1:

@@ -30,12 +30,12 @@ NOISE = one_among("known", "estimated")
 class Method:
     """Settings of a fit."""
 
-    noise: str = option("known, or estimated: that times a factor of all", default="known", check=NOISE)
-    loss: str = option("How residuals count: all but linear let outliers count less", default="linear", check=LOSS)
-    n_starts: int = quantity("", "How many starts", default=4, ge=1)
+    noise: str = option("known, or estimated: the same times a common factor", default="known", check=NOISE)
+    loss: str = option("Loss of the residuals; all but linear weigh outliers less", default="linear", check=LOSS)
+    n_starts: int = quantity("", "Number of starts", default=4, ge=1)
     seed: int = quantity("", "Seed of the random starts", default=0, ge=0)
     confidence: float = quantity("", "Confidence of the intervals", default=0.95, ge=0.5, le=0.9999)
-    limit: float = quantity("", "Relative deviation from which on an unknown is not identified", default=LIMIT, gt=0.0)
+    limit: float = quantity("", "Relative deviation above which an unknown is not identified", default=LIMIT, gt=0.0)
 
     def quantile(self, degrees: float) -> float:
         """Return the half-width of an interval in standard deviations: Student's t, or normal if the noise is known.
@@ -217,7 +217,7 @@ class Fit:
         places = [one.at.start for one in self.problem.places if one.what == figure and not one.is_series]
         if not places:
             measured = sorted({one.what for one in self.problem.places})
-            raise BadArgument("figure", f"must be one that was measured, of {', '.join(measured)}, got {figure!r}")
+            raise BadArgument("figure", f"must be one that was measured ({', '.join(measured)}), got {figure!r}")
         return places
 
     def percentage_error(

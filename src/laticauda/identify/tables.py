@@ -79,7 +79,7 @@ def from_table(
         if stride > _LONGEST_STRIDE:
             raise TrialFileError(
                 f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is {stride:.3g} lengths of "
-                f"`{swam.name}` per cycle, further than anything swims; is one in another unit, as cm/s, rad/s or Hz?"
+                f"`{swam.name}` per cycle, more than anything swims; is one in another unit, such as cm/s, rad/s or Hz?"
             )
         name = _name(gait, swam.caudal_fin is not None)
         seen[name] += 1
@@ -92,7 +92,7 @@ def from_table(
             )
         )
     if not found:
-        raise TrialFileError(f"{file}: no row of it has a {figure.replace('_', ' ')}.")
+        raise TrialFileError(f"{file}: none of its rows has a {figure.replace('_', ' ')}.")
     return tuple(found)
 
 

@@ -54,11 +54,11 @@ _SMOOTHED = 0.2  # window of a cubic smoothing of joint angles, in cycles: keeps
 class Noise:
     """Standard deviations of the noise on the tank day."""
 
-    path_m: float = quantity("m", "Noise of the center of mass, as the cameras see it", gt=0.0, default=0.005)
+    path_m: float = quantity("m", "Noise of the center of mass, as measured by the cameras", gt=0.0, default=0.005)
     heading_rad: float = quantity("rad", "Noise of the heading", gt=0.0, default=0.01)
     joint_angle_rad: float = quantity("rad", "Noise of joint angles", gt=0.0, default=0.01)
     force_n: float = quantity("N", "Noise of a force in a tow", gt=0.0, default=0.05)
-    force_share: float = quantity("", "Noise of a force as a share of it", ge=0.0, default=0.02)
+    force_share: float = quantity("", "Noise of a force as a fraction of it", ge=0.0, default=0.02)
     angle_deg: float = quantity("deg", "Noise of the angle of a tow", ge=0.0, default=0.5)
 
 
@@ -165,7 +165,7 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silen
     """
     measured = [_of_water(name, trial, day.noise) for name, trial in day.trials.items()] + [*day.tows]
     if not measured:
-        raise TrialFileError("Nothing was filled: the tank day needs swim.csv, glide.csv, turn.csv or tows.csv.")
+        raise TrialFileError("No file was filled in: the tank day needs swim.csv, glide.csv, turn.csv or tows.csv.")
     fits: dict[str, result.Fit] = {}
     for name, (water, unknowns) in _laws(day.robot).items():
         inside = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
@@ -258,17 +258,17 @@ def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: resu
     name, *others = odds
     found = [f"The law is `{name}`, the most probable of {len(odds)}."]
     for other in others:
-        how = "decided" if odds[other] > DECISIVE else "the data do not tell them apart"
+        how = "decided" if odds[other] > DECISIVE else "the data do not distinguish them"
         found.append(f"Against `{other}`: odds of {odds[other]:.3g} to 1, {how}.")
     found += [warning for warning in best.warnings if warning.startswith("chi^2")]
     for k in best.problem.of_interest:
         one, prior = best.estimates[k], best.problem.unknowns[k].prior
         if one.sigma is None or (prior and one.sigma > HARDLY * prior[1]):
-            found.append(f"The data hardly tell `{one.name}`: it is what was known before, from tables.")
+            found.append(f"The data hardly determine `{one.name}`: it is essentially its prior, from tables.")
     if joints is None or joints[JOINTS[0]].interval is None:
-        found.append("The data do not tell the speed of the joints: no gait was asked for that is too fast for them.")
+        found.append("The data do not determine the speed of the joints: no commanded gait was too fast for them.")
     missing = [run for run in _RUNS if run not in day.trials] + ([] if day.tows else ["tows"])
-    return [*found, *(f"Without {run}.csv the data tell less: RUNS.md says what it is for." for run in missing)]
+    return [*found, *(f"Without {run}.csv the data tell less: RUNS.md explains what it is for." for run in missing)]
 
 
 def words(found: Evaluation) -> str:

@@ -70,14 +70,14 @@ PATH = {"center_of_mass": 0.005}
 class TrialFile:
     """A file with a trial, and the parts of it that are used."""
 
-    file: str = option("Where it is")
-    columns: str | None = option("What its columns are, a TOML file, if another program wrote it", default=None)
-    name: str = option("What tables call it; empty: as the file", default="")
-    group: str = option("Which measurements it belongs with, see `Measurement`", default="")
-    figures: Mapping[str, float] = option("That count, with their noise", **_NOISES)
-    series: Mapping[str, float] = option("Series that count; if none: `PATH`", **_NOISES)
-    interval: float = quantity("s", "Between samples that count; closer ones' noise is hardly new", default=0.5, gt=0.0)
-    free_start: bool = option("Identify place and heading at the begin too, if either counts", default=True)
+    file: str = option("Path of the trial file")
+    columns: str | None = option("Column map (TOML), if another program wrote the file", default=None)
+    name: str = option("Name in tables; empty: that of the file", default="")
+    group: str = option("Group of measurements it belongs to, see `Measurement`", default="")
+    figures: Mapping[str, float] = option("Figures to fit, with their noise", **_NOISES)
+    series: Mapping[str, float] = option("Series to fit, with their noise; if none: `PATH`", **_NOISES)
+    interval: float = quantity("s", "Between samples used; the noise of closer ones is hardly new", default=0.5, gt=0.0)
+    free_start: bool = option("Also identify the initial position and heading, if either is used", default=True)
 
     @property
     def label(self) -> str:
@@ -131,24 +131,24 @@ class TrialFile:
 class TableFile:
     """A file with one row per trial."""
 
-    file: str = option("Where it is; `laticauda.trial.measured` says its columns")
+    file: str = option("Path of the table; for its columns see `laticauda.trial.measured`")
     figure: str = option("forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES))
-    sigma: float = quantity("", "Noise of rows that do not say their own, as a share", default=TABLE_SIGMA, gt=0.0)
+    sigma: float = quantity("", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0)
 
 
 @value
 class _TaskFile:
     """Contents of a task's file apart from the method."""
 
-    name: str = option("Name of the parameter file that it makes", check=label)
-    title: str = option("What a legend says", check=label)
-    robot: str | None = option("What has to have swum, a preset or a file; None: the trials say it", default=None)
-    links: int | None = quantity("", "Links that every robot has instead of its own", ge=1, default=None)
-    parameters: tuple[Unknown, ...] = option("What is looked for", default=())
-    base: str | None = option("A parameter file, a preset or a path: what is fixed", default=None)
-    fixed: Mapping[str, Any] | None = option("Tables of a parameter file: what is fixed", default=None)
-    trials: tuple[TrialFile, ...] = option("Files of trials, beside this file", default=())
-    table: TableFile | None = option("Speeds, a CSV file beside this one", default=None)
+    name: str = option("Name of the resulting parameter file", check=label)
+    title: str = option("Text for legends", check=label)
+    robot: str | None = option("Robot that must have swum, a preset or a file; None: as in the trials", default=None)
+    links: int | None = quantity("", "Number of links of every robot, instead of its own", ge=1, default=None)
+    parameters: tuple[Unknown, ...] = option("Numbers to identify", default=())
+    base: str | None = option("Parameter file (a preset or a path) with the fixed values", default=None)
+    fixed: Mapping[str, Any] | None = option("Tables of a parameter file with the fixed values", default=None)
+    trials: tuple[TrialFile, ...] = option("Trial files, with paths relative to this file", default=())
+    table: TableFile | None = option("Measured speeds, a CSV file with a path relative to this file", default=None)
     table1: Mapping[str, Any] | bool | None = option("Arguments of `from_table1`, or true", default=None)
 
 
@@ -299,7 +299,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     if not said.parameters:
         raise codec.BadKey("parameters", "must name at least one number to identify")
     if not said.trials and said.table is None and said.table1 is None:
-        raise codec.BadKey("trials", "is missing; trials, [table] or [table1] are what is identified from")
+        raise codec.BadKey("trials", "is missing; the task needs trials, [table] or [table1] to identify from")
     base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
@@ -369,4 +369,4 @@ def _check_there(name: str, trial: lc.Trial, wanted: list[str]) -> None:
     for what in wanted:
         one_of(f"measured` of `{name}", what, (*UNITS, *SERIES))
         if what in trial.not_measured:
-            raise BadArgument(what, f"of `{name}` must have been measured to count; the file does not have it")
+            raise BadArgument(what, f"of `{name}` must have been measured to be fitted; the file does not have it")

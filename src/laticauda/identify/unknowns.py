@@ -58,15 +58,15 @@ class Unknown:
         ValueError: If a field is out of its range, or fields contradict each other.
     """
 
-    name: str = option("As in a sweep, or of `NUISANCE`; for some only: `eel_like.water.normal_drag`", check=label)
-    start: float | None = quantity("", "Where the search begins", default=None)
-    lower: float | None = quantity("", "Least value", default=None)
-    upper: float | None = quantity("", "Greatest value", default=None)
-    prior: tuple[float, float] | None = quantity("", "Mean and deviation of what is known before", default=None)
-    scale: Literal["log", "linear"] | None = option("log: errors and steps are shares of it; linear", default=None)
-    size: float | None = quantity("", "A large change; None: its value, or .1 m, rad or m/s", default=None, gt=0.0)
+    name: str = option("As in a sweep or in `NUISANCE`; for one group: `eel_like.water.normal_drag`", check=label)
+    start: float | None = quantity("", "Value at which the search starts", default=None)
+    lower: float | None = quantity("", "Smallest value", default=None)
+    upper: float | None = quantity("", "Largest value", default=None)
+    prior: tuple[float, float] | None = quantity("", "Mean and standard deviation of the prior", default=None)
+    scale: Literal["log", "linear"] | None = option("log: relative errors and steps; linear: absolute", default=None)
+    size: float | None = quantity("", "A large change; None: its value, or 0.1 m, rad, m/s", default=None, gt=0.0)
     tied: Mapping[str, float] = option(
-        "Powers p of other numbers that follow it: where this is k times its value, they are k^p times theirs",
+        "Powers p of numbers tied to it: if it changes to k times its value, they change to k^p times theirs",
         default_factory=dict[str, float],
         check=numbers_by_name("power"),
     )
@@ -203,13 +203,13 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
         seen: Scenarios and numbers of the measurements that depend on it.
     """
     if not seen:
-        raise BadArgument("parameters", f"must leave something to `{unknown.name}`: more special ones take all of it")
+        raise BadArgument("parameters", f"must leave measurements for `{unknown.name}`: more specific ones take all")
     scenario, parameter = seen[0][0], seen[0][1][name]
     if name.startswith("gait."):
-        rule = f"must not be of the gait, which is what was asked for, got `{unknown.name}`"
-        raise BadArgument("parameters", f"{rule}; what the joints make of it is the actuator's, `robot.joint.actuator`")
+        rule = f"must not be of the gait, which was commanded, got `{unknown.name}`"
+        raise BadArgument("parameters", f"{rule}; how the joints follow it depends on `robot.joint.actuator`")
     if parameter.is_whole:
-        raise BadArgument("parameters", f"must be numbers that may change a little, got `{unknown.name}`, a count")
+        raise BadArgument("parameters", f"must be numbers that can vary slightly, got `{unknown.name}`, a count")
     _check_tied(unknown, name, seen)
     start = unknown.start
     if start is None:

@@ -30,22 +30,22 @@ class FaultFileError(LaticaudaError, ValueError):
 class Fault:
     """One fault."""
 
-    kind: str = option("Which; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
-    time: float = quantity("s", "When, by the lab's clock", ge=0.0, default=0.0)
-    duration: float = quantity("s", "How long; infinite: to the end", ge=0.0, default=math.inf)
-    node: int = quantity("", "Where; 0: everywhere", ge=0, le=protocol.N_NODES, default=protocol.EVERY_NODE)
+    kind: str = option("Kind of fault; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
+    time: float = quantity("s", "Time at which it begins, on the lab's clock", ge=0.0, default=0.0)
+    duration: float = quantity("s", "How long it lasts; infinite: to the end", ge=0.0, default=math.inf)
+    node: int = quantity("", "Node that it affects; 0: all", ge=0, le=protocol.N_NODES, default=protocol.EVERY_NODE)
     share: float = quantity(
         "",
-        "Share of frames that are lost or corrupted, of a motor's torque that is left, or by which a clock is fast",
+        "Share of frames lost or corrupted, of a motor's torque that remains, or by which a clock is fast",
         ge=0.0,
         le=1.0,
         default=0.1,
     )
     delay: float = quantity("s", "Delay of late frames", ge=0.0, default=0.1)
     temperature: float = quantity("deg C", "Temperature of the motor", ge=-273.15, le=1000.0, default=95.0)
-    angle: float = quantity("rad", "By how much a horn slips, or the marker body turns", default=math.radians(5.0))
-    speed: float = quantity("m/s", "Of water that begins to move", ge=0.0, default=0.03)
-    towards: float = quantity("rad", "Where it moves to", default=0.0)
+    angle: float = quantity("rad", "Angle by which a horn slips, or the marker body turns", default=math.radians(5.0))
+    speed: float = quantity("m/s", "Velocity of water that begins to move", ge=0.0, default=0.03)
+    towards: float = quantity("rad", "Direction in which it moves", default=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""

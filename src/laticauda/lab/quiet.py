@@ -31,10 +31,10 @@ def check(fault: Fault, plant: Plant[Any]) -> None:
     """
     fin = plant.robot.caudal_fin
     if fault.kind == "lost_fin" and fin is not None and (plant.robot.fin_joints or fin.n_hinges):
-        raise BadArgument("kind", "must not be `lost_fin`: only a fin without hinges and joints of its own comes off")
+        raise BadArgument("kind", "must not be `lost_fin`: only a fin without hinges or joints of its own can come off")
     water = plant.environment
     if fault.kind == "moving_water" and (not isinstance(water, Water) or water.flow is not None):
-        raise BadArgument("kind", "must not be `moving_water` on land, or where the water flows by a law of its own")
+        raise BadArgument("kind", "must not be `moving_water` on land, or in water with a flow law of its own")
 
 
 def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:

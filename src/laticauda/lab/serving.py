@@ -34,7 +34,7 @@ class SerialLine(worker.Worker[None]):
 
             self._ours, self._theirs = os.openpty()
         except (ImportError, OSError) as error:
-            raise ServerFailed(f"The meter's line cannot be opened: {error}.") from error
+            raise ServerFailed(f"The meter's port cannot be opened: {error}.") from error
         tty.setraw(self._theirs)
         os.set_blocking(self._ours, False)
         self.path = os.ttyname(self._theirs)

@@ -38,7 +38,7 @@ class Tank:
     def __init__(self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
         joints = body.robot.driven_joints
         if not 1 <= len(joints) <= N_NODES:
-            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, a driven fin's among them, got {len(joints)}")
+            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, a driven fin's included, got {len(joints)}")
         self.settings = settings or LabSettings()
         self.body, self.faults, self._built = body, Faults(), body.plant
         for fault in faults:
@@ -299,7 +299,7 @@ def _carry(tank: Tank, words: list[str]) -> str:
         x, y, heading, *depth = (float(word) for word in words)
     except ValueError:
         got = " ".join(words)
-        rule = "must have three numbers, x y [m] and heading [deg], and a depth [m] in space, got"
+        rule = "must have three numbers, x y [m] and heading [deg], and in space a depth [m], got"
         raise BadArgument("carry", f"{rule} {got!r}") from None
     at = f" depth {depth[0]:g} m" if depth else ""
     start = Start(center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None)

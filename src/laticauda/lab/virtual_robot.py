@@ -129,7 +129,7 @@ class VirtualRobot:
             **vars(series.concatenated(self._log)),
             scenario=Experiment(robot=self.plant.robot, environment=self.plant.environment, model=self.plant.settings),
             version=version,
-            status="The truth of the virtual tank.",
+            status="Ground truth of the virtual tank.",
             succeeded=True,
         )
 

@@ -35,7 +35,7 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     try:
         place.mkdir(exist_ok=True)
     except OSError as error:
-        raise StorageFailed(f"{folder}: cannot be made: {(error.strerror or str(error)).lower()}.") from error
+        raise StorageFailed(f"{folder}: cannot be created: {(error.strerror or str(error)).lower()}.") from error
     if any(place.iterdir()):
         raise StorageFailed(f"{folder}: must be a new or an empty folder; name another one.")
     if isinstance(source, Trial):

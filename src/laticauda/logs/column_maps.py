@@ -52,9 +52,9 @@ Axes: TypeAlias = tuple[str, str] | tuple[str, str, str]
 Matrix: TypeAlias = tuple[str, str, str, str, str, str, str, str, str]
 Direction: TypeAlias = Literal["x", "-x", "y", "-y", "z", "-z"]
 
-_LENGTH_UNIT = "Their unit; None: the file's own if it states one, else m"
-_ANGLE_UNIT = "Its unit; None: the file's own if it states one, else rad"
-_PLACE = "Names of the columns of its place: x and y, or x, y and z"
+_LENGTH_UNIT = "Unit of length; None: the one stated in the file, else m"
+_ANGLE_UNIT = "Unit of the angle; None: the one stated in the file, else rad"
+_PLACE = "Columns of the position: x and y, or x, y and z"
 
 
 @value
@@ -62,7 +62,7 @@ class TimeColumn:
     """Times of the rows; if neither field is given, the file itself must state them."""
 
     column: str | None = option("Name of the column", default=None)
-    unit: Literal["s", "ms", "us"] = option("Its unit", default="s")
+    unit: Literal["s", "ms", "us"] = option("Unit of the column", default="s")
     rate: float | None = quantity("Hz", "Rows per second, instead of a column", default=None, gt=0.0)
 
     def __post_init__(self) -> None:
@@ -75,15 +75,15 @@ class TimeColumn:
 class Frame:
     """Pose of the trial's world axes in the axes of the file: first aligned, then shifted, then rotated."""
 
-    x: Direction = option("Which direction of the file is forward", default="x")
-    y: Direction = option("Which one is left", default="y")
-    origin: tuple[float, float] = quantity("m", "Where the trial's origin is, along those two", default=(0.0, 0.0))
-    rotation_deg: float = quantity("deg", "By which angle the result is turned, counter-clockwise", default=0.0)
+    x: Direction = option("Direction in the file that is forward", default="x")
+    y: Direction = option("Direction in the file that is left", default="y")
+    origin: tuple[float, float] = quantity("m", "Position of the trial's origin, along those two", default=(0.0, 0.0))
+    rotation_deg: float = quantity("deg", "Angle by which the result is rotated, counter-clockwise", default=0.0)
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if self.x[-1] == self.y[-1]:
-            raise BadArgument("y", f"must be another axis than `x` = {self.x!r}, got {self.y!r}")
+            raise BadArgument("y", f"must be a different axis from `x` = {self.x!r}, got {self.y!r}")
 
 
 @value
@@ -106,25 +106,25 @@ class Heading:
 class Body:
     """One link tracked by motion capture; together with the joint angles it determines the whole robot."""
 
-    name: str | None = option("Of a rigid body in a QTM file, instead of all columns below", default=None)
+    name: str | None = option("Name of a rigid body in a QTM file, instead of all columns below", default=None)
     position: Axes | None = option(_PLACE, default=None)
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
-    yaw: str | None = option("Column of its angle about the vertical axis of the file", default=None)
+    yaw: str | None = option("Column of its angle about the vertical axis in the file", default=None)
     angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
     quaternion: tuple[str, str, str, str] | None = option("Columns w, x, y, z, instead of `yaw`", default=None)
     rotation: Matrix | None = option("Columns of its rotation matrix, x axis first, instead of `yaw`", default=None)
-    forward: Direction = option("Which of its own axes points to the head", default="x")
-    link: int = quantity("", "The link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
-    offset: tuple[float, float] = quantity("m", "Its place from mid-link: toward the head, left", default=(0.0, 0.0))
+    forward: Direction = option("Axis of the body that points to the head", default="x")
+    link: int = quantity("", "Link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
+    offset: tuple[float, float] = quantity("m", "Position from mid-link: toward the head, left", default=(0.0, 0.0))
     angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if (self.name is None) == (self.position is None):
-            raise BadArgument("position", f"must be given, or `name`, and not both; got {self.position}")
+            raise BadArgument("position", f"must be given, or `name`, but not both; got {self.position}")
         turns = [one for one in (self.yaw, self.quaternion, self.rotation) if one is not None]
         if len(turns) != (1 if self.name is None else 0):
-            rule = "must be given, or `quaternion` or `rotation`, and just one; with `name` none"
+            rule = "must be given, or `quaternion` or `rotation`, exactly one of them; none with `name`"
             raise BadArgument("yaw", rule)
 
 
@@ -132,8 +132,8 @@ class Body:
 class Ends:
     """A marker on the tail end, on every joint and on the head end: no joint angles are needed."""
 
-    markers: tuple[str, ...] = option("Their names, tail first: one more than the robot has links")
-    columns: str = option("How their columns are called, the axis being X, Y or Z", default="{marker} {axis}")
+    markers: tuple[str, ...] = option("Names of the markers, tail first: one more than the robot has links")
+    columns: str = option("Names of their columns; the axis is X, Y or Z", default="{marker} {axis}")
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
     def __post_init__(self) -> None:
@@ -146,11 +146,11 @@ class Ends:
 class JointColumns:
     """One column per joint."""
 
-    columns: str | tuple[str, ...] = option("Names, tail first; or one with {} for the number")
-    first: int = quantity("", "The number of the tail-most joint, where they are numbered", default=0, ge=0)
-    head_first: bool = option("Whether the first of them is the head-most joint", default=False)
-    unit: str | None = option("Their unit; None: SI", default=None)
-    sign: float = quantity("", "-1 where the file counts positive what turns the robot right", default=1.0)
+    columns: str | tuple[str, ...] = option("Names, tail first; or one name with {} for the number")
+    first: int = quantity("", "Number of the tail-most joint, if they are numbered", default=0, ge=0)
+    head_first: bool = option("Whether the first column is of the head-most joint", default=False)
+    unit: str | None = option("Unit of the columns; None: SI", default=None)
+    sign: float = quantity("", "-1 if positive values in the file turn the robot right", default=1.0)
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
@@ -189,12 +189,12 @@ class Power:
     column: str | None = option("Column of the power [W], instead of current and voltage", default=None)
     current: str | None = option("Column of the current [A]", default=None)
     voltage: str | float | None = option("Column of the voltage, or its value [V]", default=None, check=_voltage)
-    idle: float | None = quantity("W", "Drawn at rest, taken off; None: the robot's `idle_power`", default=None, ge=0.0)
+    idle: float | None = quantity("W", "Idle power, subtracted; None: the robot's `idle_power`", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if (self.column is None) == (self.current is None) or (self.current is None) != (self.voltage is None):
-            rule = f"must be given, or `current` and `voltage`, and not both; got {self.column!r}"
+            rule = f"must be given, or `current` and `voltage`, but not both; got {self.column!r}"
             raise BadArgument("column", rule)
 
 
@@ -208,27 +208,27 @@ def _signals(name: str, given: Any) -> dict[str, str]:
 class ColumnMap:
     """The meaning of the columns of a log, and the robot that it belongs to."""
 
-    robot: Robot = option("What swam")
-    environment: Environment = option("What it was in")
-    gait: gaits.Gait | None = option("What the joints were asked for; None where it is not known", default=None)
-    start: float | None = quantity("s", "Where the trial begins in the file's time; there it is 0", default=None)
-    stop: float | None = quantity("s", "Where it ends in the file's time", default=None)
+    robot: Robot = option("Robot that swam")
+    environment: Environment = option("Water or ground that it was in")
+    gait: gaits.Gait | None = option("Commanded gait; None if it is not known", default=None)
+    start: float | None = quantity("s", "Time in the file at which the trial begins, its time 0", default=None)
+    stop: float | None = quantity("s", "Time in the file at which the trial ends", default=None)
     longest_gap: float = quantity(
-        "s", "Gaps up to it become straight lines; longer ones are refused", default=0.1, ge=0.0
+        "s", "Gaps up to this long are interpolated linearly; longer ones are refused", default=0.1, ge=0.0
     )
     smoothing: float = quantity("s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0)
-    separator: str | None = option("Between the cells of a text file; None: found by itself", default=None)
-    decimal: Literal[".", ","] = option("Point or comma", default=".")
-    time: TimeColumn = option("When", default=TimeColumn())
+    separator: str | None = option("Separator of the cells of a text file; None: detected", default=None)
+    decimal: Literal[".", ","] = option("Decimal point or comma", default=".")
+    time: TimeColumn = option("Times of the rows", default=TimeColumn())
     frame: Frame = option("World axes", default=Frame())
-    center_of_mass: Position | None = option("This, `body` or `ends`; none: a table of laticauda's own", default=None)
+    center_of_mass: Position | None = option("This, `body` or `ends`; none: a table by laticauda", default=None)
     heading: Heading | None = option("The heading, beside `center_of_mass`", default=None)
-    body: Body | None = option("One link", default=None)
-    ends: Ends | None = option("All links", default=None)
+    body: Body | None = option("One tracked link", default=None)
+    ends: Ends | None = option("Markers at the ends of all links", default=None)
     joint_angle: JointColumns | None = option("Angles of the joints", default=None)
-    joint_rate: JointColumns | None = option("Their rates; None: made of the angles", default=None)
-    joint_angle_ref: JointColumns | None = option("What they were asked for", default=None)
-    joint_torque: JointColumns | None = option("Their torques", default=None)
+    joint_rate: JointColumns | None = option("Rates of the joints; None: computed from the angles", default=None)
+    joint_angle_ref: JointColumns | None = option("Commanded angles of the joints", default=None)
+    joint_torque: JointColumns | None = option("Torques of the joints", default=None)
     power: Power | None = option("Electrical power", default=None)
     signals: Mapping[str, str] = option("Columns kept as is, by name", default_factory=dict[str, str], check=_signals)
 

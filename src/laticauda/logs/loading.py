@@ -47,7 +47,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
     form = trial.Format.of(path)
     if not form.is_whole:
         raise TrialFileError(
-            f"Cannot load {path}: a {path.suffix} file does not say what swam; give a column map "
+            f"Cannot load {path}: a {path.suffix} file does not state the robot; give a column map "
             "(`columns`, on the command line --columns)."
         )
     with failures_of(path):
@@ -80,7 +80,7 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     except UnicodeDecodeError:
         lines = content.decode("latin-1").splitlines() if b"\x00" not in content else []
     if not lines:
-        raise ValueError("it is no text of columns, or it is empty.")
+        raise ValueError("it is not a text file of columns, or it is empty.")
     return (
         tables.qtm_table(lines) if lines[0].startswith("NO_OF_FRAMES") else tables.csv_table(lines, separator, decimal)
     )
@@ -143,9 +143,9 @@ def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, B
     elif given.time.rate is not None or table.rate is not None:
         time, name = np.arange(n) / (given.time.rate or table.rate or 1.0), "time"
     else:
-        raise ValueError("The map must say `time.column` or `time.rate`: the file does not say when its rows were.")
+        raise ValueError("The map must say `time.column` or `time.rate`: the file does not state times of its rows.")
     if not np.all(np.isfinite(time)):
-        raise BadArgument(name, f"must hold numbers, and has none in its row {int(np.argmin(np.isfinite(time))) + 1}")
+        raise BadArgument(name, f"must hold numbers, but has none in its row {int(np.argmin(np.isfinite(time))) + 1}")
     rows = np.ones(n, dtype=np.bool_)
     if given.start is not None:
         rows &= time >= given.start
@@ -153,20 +153,20 @@ def _time(table: tables.Table, given: column_maps.ColumnMap) -> tuple[Samples, B
         rows &= time <= given.stop
     if np.count_nonzero(rows) < 2:
         raise ValueError(
-            f"`{name}` must have 2 samples at least between `start` and `stop`, "
+            f"`{name}` must have at least 2 samples between `start` and `stop`, "
             f"got {np.count_nonzero(rows)}; the file has {n} from {time[0]:g} s to {time[-1]:g} s."
             if n
-            else f"`{name}` must have 2 samples at least, got none."
+            else f"`{name}` must have at least 2 samples, got none."
         )
     kept = times(name, time[rows])
     step = float(np.median(np.diff(kept)))
     if step > SLOWEST_SAMPLING:
-        raise ValueError(f"`{name}` must have steps of {SLOWEST_SAMPLING:g} s at most, got {step:g} s; is its unit ms?")
+        raise ValueError(f"`{name}` must have steps of at most {SLOWEST_SAMPLING:g} s, got {step:g} s; is its unit ms?")
     longest = float(np.max(np.diff(kept)))
     if longest > max(given.longest_gap, 3.0 * step):
         at = float(kept[np.argmax(np.diff(kept))])
         rule = f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of {longest:.4g} s"
-        raise BadArgument(name, f"{rule} after {at:.6g} s; cut it off by `start` and `stop`")
+        raise BadArgument(name, f"{rule} after {at:.6g} s; cut it off with `start` and `stop`")
     # Time counts from the start requested by the user, or from the first row.
     return kept - (given.start if given.start is not None else float(kept[0])), rows
 

@@ -57,7 +57,7 @@ class McapFile(Format):
         """Read the trial in an MCAP file; see `Format.read`."""
         recording = open_recording(path)
         if METADATA not in recording.metadata:
-            raise ValueError("it is a recording, but no trial of laticauda.")
+            raise ValueError("it is a recording, but not a trial of laticauda.")
         if recording.lost:
             raise ValueError(recording.lost)
         found: dict[str, list[Any]] = {}

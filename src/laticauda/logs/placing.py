@@ -59,7 +59,7 @@ class Measured:
     def _unit(self, name: str, asked: str | None, units: dict[str, float]) -> str:
         unit = asked or self.table.units.get(name) or next(iter(units))
         if unit not in units:
-            raise ValueError(f"Column `{name}` must be in {', '.join(units)}, and the file says {unit!r}.")
+            raise ValueError(f"Column `{name}` must be in {', '.join(units)}, but the file says {unit!r}.")
         return unit
 
 
@@ -230,12 +230,12 @@ def filled(
     if not np.any(lost):
         return signal, lost
     known = np.flatnonzero(~lost)
-    advice = "cut it off by `start` and `stop`, or fill it by hand"
+    advice = "cut it off with `start` and `stop`, or fill it by hand"
     if not known.size:
-        raise BadArgument(name, f"must hold numbers, and it holds none from {time[0]:g} s to {time[-1]:g} s")
+        raise BadArgument(name, f"must hold numbers, but it holds none from {time[0]:g} s to {time[-1]:g} s")
     if lost[0] or lost[-1]:
         end, at = ("begins", time[known[0]]) if lost[0] else ("ends", time[known[-1]])
-        raise BadArgument(name, f"must hold numbers at both ends, and it {end} at {at:.6g} s; {advice}")
+        raise BadArgument(name, f"must hold numbers at both ends, but it {end} at {at:.6g} s; {advice}")
     steps = np.diff(time[known])
     gap = int(np.argmax(np.where(np.diff(known) > 1, steps, 0.0)))
     if steps[gap] > longest * (1.0 + 1e-9):

@@ -349,7 +349,7 @@ class Recorder:
     def _header(self, time: float, frame: str) -> tuple[Any, ...]:
         return ros2.stamp(self._moment(time)), frame
 
-    def _guarded(self, act: Callable[[], Any], advice: str = "what came before is kept") -> Any:
+    def _guarded(self, act: Callable[[], Any], advice: str = "what was written before is kept") -> Any:
         try:
             return act()
         except OSError as error:

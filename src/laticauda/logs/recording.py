@@ -71,7 +71,7 @@ class Recording:
         """Topics by name."""
         self.start, self.stop = ((one - self.epoch) / 1e9 if counts else 0.0 for one in times)
         """Times of the earliest and the latest message [s], 0 if there are no messages."""
-        self.lost = f"{path.name} is not whole: {'; '.join(lost)}." if lost else ""
+        self.lost = f"{path.name} is not intact: {'; '.join(lost)}." if lost else ""
         """What is missing from the file or damaged in it, as a sentence; "" if nothing is."""
 
     @property
@@ -133,7 +133,7 @@ class Recording:
         self._end = begin or len(MAGIC)
         with self.path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
-                raise TrialFileError(f"Cannot load {self.path}: it is no MCAP file.")
+                raise TrialFileError(f"Cannot load {self.path}: it is not an MCAP file.")
             file.seek(self._end)
             for opcode, content in _records(file, size):
                 self._end, found = file.tell(), list[Any]()
@@ -151,7 +151,7 @@ class Recording:
                     elif isinstance(record, records.Message) and record.channel_id in self._channels:
                         yield self._channels[record.channel_id], record.log_time, record.data
         if opcode != _FOOTER:
-            lost.append(f"it ends before its end, with {max(size - self._end, 0)} bytes of an incomplete chunk")
+            lost.append(f"it is truncated, with {max(size - self._end, 0)} bytes of an incomplete chunk")
 
 
 def open_recording(path: str | Path) -> Recording:

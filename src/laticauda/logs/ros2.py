@@ -160,7 +160,7 @@ def _write(body: bytearray, kind: str, value: Any) -> None:
                 else:
                     _write_array(body, field, value[field.name])
             except (KeyError, TypeError, struct.error) as error:
-                raise BadArgument(kind, f"must have a fitting `{field.name}`: {error}") from error
+                raise BadArgument(kind, f"must have a valid `{field.name}`: {error}") from error
 
 
 def _write_array(body: bytearray, field: _Field, value: Any) -> None:

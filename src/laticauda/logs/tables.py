@@ -97,7 +97,7 @@ def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Tabl
     """
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(rows) < 2:
-        raise ValueError("it must have a row of names and a row of numbers at least.")
+        raise ValueError("it must have at least a row of names and a row of numbers.")
     if separator is None:
         separator = max("\t;,", key=rows[0][1].count)
     cells = list(csv.reader([line for _, line in rows], delimiter=separator))
@@ -108,7 +108,7 @@ def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Tabl
     width = len(header)
     for (number, _), row in zip(rows[1:], cells[1:], strict=True):
         if len(row) < width or any(cell.strip() for cell in row[width:]):
-            raise ValueError(f"row {number} must have {width} cells as row {rows[0][0]} has, got {len(row)}.")
+            raise ValueError(f"row {number} must have {width} cells, as row {rows[0][0]} has, got {len(row)}.")
     first = rows[1][0]
     columns = {name: numbers(name, [row[i] for row in cells[1:]], first, decimal) for i, name in enumerate(header)}
     return Table(columns=columns)
@@ -199,7 +199,7 @@ def _check_rows(rows: Sequence[Sequence[str]], width: int, top: int, n_frames: i
         if len(row) != width:
             raise ValueError(f"row {top + 1 + i} must have {width} cells, got {len(row)}.")
     if n_frames >= 0 and len(rows) != n_frames:
-        raise ValueError(f"NO_OF_FRAMES says {n_frames}, and there are {len(rows)} rows: is it cut off?")
+        raise ValueError(f"NO_OF_FRAMES says {n_frames}, but there are {len(rows)} rows: is it cut off?")
 
 
 def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
@@ -243,7 +243,7 @@ def read_c3d(path: Path) -> Table:
     except FileNotFoundError:
         raise
     except (RuntimeError, ValueError, KeyError, IndexError, MemoryError, OSError) as error:
-        raise ValueError(f"it is no whole C3D file ({error}).") from error
+        raise ValueError(f"it is not an intact C3D file ({error}).") from error
 
 
 def _check_whole(path: Path) -> int:

@@ -69,7 +69,7 @@ class ParquetFile(trial.Format):
         table = _table(path)
         text = (table.schema.metadata or {}).get(KEY)
         if text is None:
-            raise ValueError("it is a table, but no trial of laticauda; say what its columns are.")
+            raise ValueError("it is a table, but not a trial of laticauda; give a column map.")
         found = _numbers(table)
         return assembled(lambda name: series(found, name), json.loads(text))
 
@@ -104,7 +104,7 @@ def _table(path: Path) -> Any:
     try:
         return pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     except (pyarrow.ArrowException, OSError) as error:
-        raise ValueError("it is no Parquet file, or it is damaged.") from error
+        raise ValueError("it is not a Parquet file, or it is damaged.") from error
 
 
 def _pyarrow() -> Any:
@@ -200,9 +200,9 @@ class NetCdfFile(trial.Format):
         try:
             found = _decoded(_unsealed(content))
         except (OSError, RuntimeError, AttributeError) as error:  # raised by netCDF for invalid bytes
-            raise ValueError("it is no netCDF file, or it is damaged.") from error
+            raise ValueError("it is not a netCDF file, or it is damaged.") from error
         if MARK not in found.attrs:
-            raise ValueError("it is a netCDF file, but no trial of laticauda.")
+            raise ValueError("it is a netCDF file, but not a trial of laticauda.")
         return found
 
 
@@ -258,7 +258,7 @@ class MatFile(trial.Format):
         """Read the trial in a .mat file; see `Format.read`."""
         content = _content(path)
         if TEXT not in content:
-            raise ValueError("it is no trial of laticauda; say what its columns are.")
+            raise ValueError("it is not a trial of laticauda; give a column map.")
 
         def read(name: str) -> Any:
             values = content[name]
@@ -307,11 +307,11 @@ def _content(path: Path) -> dict[str, Any]:
     try:
         done = subprocess.run(words, input=content, capture_output=True, check=False, timeout=_PATIENCE)
     except subprocess.TimeoutExpired:
-        raise ValueError(f"it is damaged: nobody can read it in {_PATIENCE:g} s.") from None
+        raise ValueError(f"it is damaged: reading it takes longer than {_PATIENCE:g} s.") from None
     if b"NotImplementedError" in done.stderr:
         raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.")
     if done.returncode:
-        raise ValueError("it is no .mat file, or it is damaged.")
+        raise ValueError("it is not a .mat file, or it is damaged.")
     return {name[1:]: one for name, one in np.load(io.BytesIO(done.stdout)).items()}
 
 

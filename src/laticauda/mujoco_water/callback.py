@@ -236,7 +236,7 @@ def install() -> None:
             return
         there = mujoco.get_mjcb_passive()
         if there is not None and not hasattr(there, "argtypes"):
-            raise ValueError("mjcb_passive must be free or compiled, but a Python function is set there.")
+            raise ValueError("mjcb_passive must be unset or a compiled function, but a Python function is set there.")
         _rows[-1][0, 0] = len(_rows[-1])
         mark_at = native.model_offsets()["o_margin"]
         registry[:4] = before, mark_at, _rows[-1].ctypes.data, ctypes.addressof(_LOST)

@@ -109,20 +109,20 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
     rules = (
         (integrator in at_work.lower().split(", "), f"one of the integrators {at_work}, got {integrator}"),
         (option.disableflags & passive != passive, "passive forces, but springs and dampers are both disabled"),
-        (not option.enableflags & enable.mjENBL_OVERRIDE, "contacts without override, where the mark of its water is"),
-        (not heavy or option.solver != mujoco.mjtSolver.mjSOL_PGS, "the solver Newton or CG: PGS looks too early"),
-        (not heavy or not option.enableflags & asleep, "no sleeping bodies: their inertia is not computed anew"),
+        (not option.enableflags & enable.mjENBL_OVERRIDE, "no contact override: its fields hold the water's mark"),
+        (not heavy or option.solver != mujoco.mjtSolver.mjSOL_PGS, "the solver Newton or CG: PGS evaluates too early"),
+        (not heavy or not option.enableflags & asleep, "no sleeping bodies: their inertia is not recomputed"),
         (not heavy or not np.any(model.tendon_armature > 0.0), "no tendons with armature"),
     )
     for holds, rule in rules:
         if not holds:
             raise BadArgument("model", f"must have {rule}")
     if implicit_drag and integrator not in ("euler", "implicitfast"):
-        raise BadArgument("implicit_drag", f"must go with the integrator Euler or implicitfast, got {integrator}")
+        raise BadArgument("implicit_drag", f"must be used with the integrator Euler or implicitfast, got {integrator}")
     for body in heavy:
         dofs = _dofs_above(model, body)
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
-            rule = f"must store the whole inertia matrix of body {name_of(model, body)}, but keeps its diagonal only"
+            rule = f"must store the full inertia matrix of body {name_of(model, body)}, but stores only its diagonal"
             raise BadArgument("model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compiled`")
 
 
@@ -139,7 +139,7 @@ def make_room(model: Any) -> None:
     option = model.opt
     if option.density > 0.0 or option.viscosity > 0.0:
         had = f"{option.density:g} kg/m^3 and {option.viscosity:g} Pa s"
-        warnings.warn(f"the water takes the place of MuJoCo's own medium of {had}", stacklevel=3)
+        warnings.warn(f"the water replaces MuJoCo's own medium of {had}", stacklevel=3)
         option.density = option.viscosity = 0.0
     newton = option.solver == mujoco.mjtSolver.mjSOL_NEWTON
     if mujoco.__version__ == "4.0.0" and newton and mujoco.mj_isSparse(model):
@@ -180,7 +180,7 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
             height = metacentric_height(model, root, water) if heavy else 0.0
             if height < -1e-5:
                 found.append(
-                    f"{said} turns over: as it is modeled, its metacenter (covered: its center of buoyancy) is "
+                    f"{said} turns over: as modeled, its metacenter (if submerged, its center of buoyancy) is "
                     f"{-height:.2g} m below its center of mass"
                 )
         elif not any(_dofs_above(model, b) for b in bodies if model.body_rootid[b] == root):
@@ -190,8 +190,8 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
     limit = math.inf if speed is None else stable_step(model, water.elements, speed)
     if model.opt.timestep > limit:
         found.append(
-            f"`timestep` {model.opt.timestep:g} s is too large for the drag: at {speed:g} m/s it is stable up to "
-            f"{limit:.2g} s; take a smaller one, or `implicit_drag`"
+            f"`timestep` {model.opt.timestep:g} s is too large for the drag: at {speed:g} m/s, steps are stable up to "
+            f"{limit:.2g} s; use a smaller one, or `implicit_drag`"
         )
     for one in found:
         warnings.warn(one, stacklevel=3)

@@ -39,7 +39,7 @@ class Element:
         ValueError: If a field is out of range.
     """
 
-    body: str = option("Name of the MuJoCo body that it is rigid on; of one without a name its number, '2' say")
+    body: str = option("Name of the MuJoCo body that it is fixed to; of an unnamed body its number, e.g. '2'")
     position: Three = quantity("m", "Its middle in the body's frame", default=_NONE)
     orientation: Quaternion = quantity("", "Its axes in the body's frame (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0))
     drag: Three = quantity("N s^2/m^2", "c along x, y and z", default=_NONE, ge=0.0)
@@ -47,8 +47,8 @@ class Element:
     torque_quadratic: Three = quantity("N m s^2", "lambda_3 about x, y and z", default=_NONE, ge=0.0)
     added_mass: Three = quantity("kg", "Along x, y and z", default=_NONE, ge=0.0)
     added_inertia: Three = quantity("kg m^2", "About x, y and z through the middle", default=_NONE, ge=0.0)
-    thrust: Three = quantity("N", "A constant force along x, y and z, of a thruster say", default=_NONE)
-    pull: Three = quantity("N", "A constant force in world axes, of a tether say", default=_NONE)
+    thrust: Three = quantity("N", "Constant force along x, y and z, e.g. of a thruster", default=_NONE)
+    pull: Three = quantity("N", "Constant force in world axes, e.g. of a tether", default=_NONE)
     tether_drag: float = quantity("kg/m", "k of a force -k |u| u", default=0.0, ge=0.0)
     wake_mass: float = quantity("kg/m", "m' of Lighthill's force at a trailing edge while u_x > 0", default=0.0, ge=0.0)
     plate: tuple[float, float, float, float, float] | None = quantity(
@@ -57,11 +57,11 @@ class Element:
         default=None,
         ge=0.0,
     )
-    contact: Contact | None = option("How it touches the ground of `water.attach`; None: not at all", default=None)
-    volume: float = quantity("m^3", "Volume of the water that it displaces when covered", default=0.0, ge=0.0)
-    shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")
+    contact: Contact | None = option("Contact with the ground of `water.attach`; None: no contact", default=None)
+    volume: float = quantity("m^3", "Volume of water that it displaces when submerged", default=0.0, ge=0.0)
+    shape: Shape = option("Shape cut by the surface; a cylinder is elliptic, with axis along x", default="ellipsoid")
     half_size: Three = quantity("m", "Half the length, width and height of the shape", default=(0.1, 0.1, 0.1), gt=0.0)
-    law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
+    law: DragLaw = option("Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0))
 
     def __post_init__(self) -> None:
         """Normalize the quaternion."""
@@ -88,10 +88,10 @@ class GeomCoefficients:
     Added mass and inertia are shares of those of the fitted ellipsoid (Lamb, 1932, art. 114 and 115).
     """
 
-    drag: Three = quantity("", "C_D along the geom's axes, on the area across", default=(0.2, 1.0, 1.0), ge=0.0)
-    rotational_drag: float = quantity("", "Share of what the drags set against rotation", default=0.0, ge=0.0)
-    added_mass: float = quantity("", "Share of that of the ellipsoid that fits the geom (Lamb)", default=1.0, ge=0.0)
-    law: DragLaw = option("Drag over speed; quadratic if left out", default=PolynomialDrag(reference_speed=0.0))
+    drag: Three = quantity("", "C_D along the geom's axes, on the projected area", default=(0.2, 1.0, 1.0), ge=0.0)
+    rotational_drag: float = quantity("", "Share of the rotational drag that `drag` implies", default=0.0, ge=0.0)
+    added_mass: float = quantity("", "Share of that of the fitted ellipsoid (Lamb)", default=1.0, ge=0.0)
+    law: DragLaw = option("Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0))
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -209,7 +209,7 @@ def geom_elements(
         except BadArgument:
             empty.append(f"`{_name(model, i)}`")
     if empty:
-        warnings.warn(f"no volume and so no water have the geoms {', '.join(empty)}", stacklevel=3)
+        warnings.warn(f"geoms without volume get no water: {', '.join(empty)}", stacklevel=3)
     elements = tuple(element for pieces in found.values() for element in _apart(pieces))
     if not elements:
         raise BadArgument("model", "must have a geom with a volume on a body that can move")
@@ -226,7 +226,7 @@ def _apart(pieces: list[tuple[str, Element]]) -> list[Element]:
         if share > 0.1:
             others = ", ".join(f"`{other}`" for (other, _), within in zip(kept, inside, strict=True) if np.any(within))
             what = "is left out of the water" if share > 0.5 else "displaces that much water twice"
-            warnings.warn(f"geom `{name}` lies in {others} by {100 * share:.0f} %: it {what}", stacklevel=4)
+            warnings.warn(f"geom `{name}` overlaps {others} by {100 * share:.0f} %: it {what}", stacklevel=4)
         if share <= 0.5:
             kept.append((name, element))
     return [element for _, element in kept]

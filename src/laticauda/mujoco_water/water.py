@@ -161,7 +161,7 @@ def attach(
     make_room(model)
     elements = geom_elements(model, density=density) if elements is None else tuple(elements)
     if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument("elements", f"must hold one Element at least, and nothing else, got {elements!r:.60}")
+        raise BadArgument("elements", f"must hold at least one Element, and nothing else, got {elements!r:.60}")
     options = {"density": density, "current": current, "surface": surface, "form": form}
     water = _put(model, elements, {**options, "implicit_drag": implicit_drag, "terrain": terrain})
     warn_of(model, water, None if implicit_drag else usual_speed, fitted)

@@ -122,7 +122,7 @@ def run_loop(
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
                     devices.bus.send((protocol.EmergencyStop(reason=2),))
-                    raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
+                    raise RuntimeError(f"The operation was aborted with an emergency stop: {error}") from failed
             sent = devices.bus.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
                 devices.meter.restart()  # its averages start over

@@ -166,7 +166,7 @@ def _stored(operation: Operation, number: int, folder: Path) -> Result:
     return Result(
         name=path.stem,
         accepted=trial.succeeded,
-        reason="Taken from its file." if trial.succeeded else trial.status,
+        reason="Read from its file." if trial.succeeded else trial.status,
         trial=trial,
         **electric,
     )

@@ -176,10 +176,10 @@ def operate(
         )
         verdict = _spoken(operation, path, twin) if path is not None and state.begun is not None else None
         if verdict is not None and sink is not None:
-            now, message = state.now or 0.0, verdict.reason or "The run is right."
+            now, message = state.now or 0.0, verdict.reason or "The run passed all checks."
             sink.keep(now, (Event(time=now, kind="verdict", message=message, data=verdict.summary()),))
     if verdict is None and path is not None and state.begun is not None:
-        state = replace(state, notes=(*state.notes, "Nobody looked through the run yet: `laticauda replay` does."))
+        state = replace(state, notes=(*state.notes, "The run has not been checked yet: `laticauda replay` does that."))
     return result_of(operator, state, path, timing, verdict)
 
 
@@ -189,7 +189,7 @@ def _learner(operator: Operator) -> Learner | None:
     if how.learning is None:
         return None
     if twin is None:
-        raise BadArgument("twin", "must be given where `learning` is, got None")
+        raise BadArgument("twin", "must be given with `learning`, got None")
     return Learner(settings=how.learning, robot=operator.robot, plant=twin, mount=how.calibration.mount)
 
 
@@ -274,15 +274,15 @@ def _aftermath(state: OperatorState) -> str:
     cause = state.supervisor.cause
     if cause not in BY_EVENT or not state.supervisor.is_fault:
         return ""
-    return f"After the run, {cause_of(cause)}. Look at the robot, then start with `--clear`."
+    return f"After the run, {cause_of(cause)}. Check the robot, then start with `--clear`."
 
 
 def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
     """Return whether the run counts, and how it ended."""
     if operator.check_only and not state.failure:
-        return True, "All devices are well."
+        return True, "All devices are OK."
     if state.begun is None:
-        cause = cause_of(state.supervisor.cause) or "the run did not begin"
+        cause = cause_of(state.supervisor.cause) or "the run did not start"
         return False, state.failure or f"{cause[:1].upper()}{cause[1:]}."
     if not state.stopped_by:
         return True, "The run reached its end."

@@ -61,14 +61,14 @@ class Connection:
     """
 
     bus: str = option("driver of the modules' bus", default="can")
-    bus_address: str = option("where it is", default=f"udp_multicast:{GROUP}:{PORT}")
+    bus_address: str = option("its address", default=f"udp_multicast:{GROUP}:{PORT}")
     mocap: str = option("driver of the motion capture", default="qtm")
-    mocap_address: str = option("where it is", default="127.0.0.1:22223")
-    mocap_body: str = option("rigid body, FRONT+BACK+LEFT markers, SKELETON/SEGMENT; empty: the only body", default="")
+    mocap_address: str = option("its address", default="127.0.0.1:22223")
+    mocap_body: str = option("rigid body, FRONT+BACK+LEFT markers or SKELETON/SEGMENT; empty: the only one", default="")
     meter: str = option("driver of the power meter", default="fluke")
-    meter_address: str = option('where it is; "" for none', default="")
+    meter_address: str = option('its address; "" for none', default="")
     stop: str = option("driver of the emergency-stop input", default="serial-line")
-    stop_address: str = option('where it is; "" for none', default="")
+    stop_address: str = option('its address; "" for none', default="")
 
     def __post_init__(self) -> None:
         """Reject unknown drivers, and addresses that are invalid for their driver."""
@@ -118,18 +118,18 @@ class Connection:
 class CaptureVolume:
     """Part of the tank that the motion capture covers, and where the path lies in it; tank frame."""
 
-    volume_x: tuple[float, float] = quantity("m", "measuring volume along the tank", default=(0.0, 12.0))
-    volume_y: tuple[float, float] = quantity("m", "across it", default=(-2.725, 2.725))
+    volume_x: tuple[float, float] = quantity("m", "extent of the measuring volume along the tank", default=(0.0, 12.0))
+    volume_y: tuple[float, float] = quantity("m", "its extent across the tank", default=(-2.725, 2.725))
     path_origin: tuple[float, float] = quantity("m", "origin of the path frame", default=(0.0, 0.0))
     path_heading: float = quantity("rad", "direction of its x axis", default=0.0)
-    surface: float = quantity("m", "height of the water's surface, at which the path frame has 0", default=0.0)
+    surface: float = quantity("m", "height of the water's surface, where z of the path frame is 0", default=0.0)
 
     def __post_init__(self) -> None:
         """Reject a volume whose limits are in the wrong order."""
         for name in ("volume_x", "volume_y"):
             low, high = getattr(self, name)
             if low >= high:
-                raise BadArgument(name, f"must be a smaller and a greater number in m, got {(low, high)!r}")
+                raise BadArgument(name, f"must be a lower and an upper limit in m, got {(low, high)!r}")
 
     def to_path(self, position: Vector) -> Vector:
         """Transform a position from the tank frame to the path frame [m]."""
@@ -163,16 +163,16 @@ class Calibration:
     """
 
     joint_zeros: bool = option("whether joint zeros are measured", default=False)
-    max_joint_zero: float = quantity("rad", "larger zeros are refused", gt=0.0, default=math.radians(5.0))
+    max_joint_zero: float = quantity("rad", "largest zero that is accepted", gt=0.0, default=math.radians(5.0))
     marker_module: int = quantity("", "the module that carries the rigid body, 0 = tail", ge=0, default=0)
     marker_offset: Offset = quantity("m", "of the body from mid-module: toward the head, left, up", default=(0.0, 0.0))
-    marker_yaw: float = quantity("rad", "direction of the rigid body's x axis to the module's", default=0.0)
-    straight_heading: float | None = quantity("rad", "when calibrated straight, in the tank; if known", default=None)
-    idle_time: float = quantity("s", "how long the current at rest is averaged", gt=0.0, default=3.0)
-    still_speed: float = quantity("m/s", "slower than this the robot is still", gt=0.0, default=0.01)
+    marker_yaw: float = quantity("rad", "direction of the rigid body's x axis relative to the module's", default=0.0)
+    straight_heading: float | None = quantity("rad", "of the straight robot in the tank, if known", default=None)
+    idle_time: float = quantity("s", "time over which the current at rest is averaged", gt=0.0, default=3.0)
+    still_speed: float = quantity("m/s", "speed below which the robot is still", gt=0.0, default=0.01)
     still_rate: float = quantity("rad/s", "the same for its turning rate", gt=0.0, default=math.radians(2.0))
-    still_time: float = quantity("s", "for how long it has to be", gt=0.0, default=2.0)
-    patience: float = quantity("s", "after which waiting for it is given up", gt=0.0, default=120.0)
+    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=2.0)
+    patience: float = quantity("s", "how long to wait for that before giving up", gt=0.0, default=120.0)
 
     @property
     def mount(self) -> estimation.Mount:
@@ -195,15 +195,15 @@ class Limits:
     min_voltage: float = quantity("V", "of the supply at a module", gt=0.0, default=28.0)
     max_voltage: float = quantity("V", "of the supply at a module", gt=0.0, default=math.inf)
     max_joint_error: float = quantity("rad", "for longer than `joint_error_time`", gt=0.0, default=math.radians(45.0))
-    joint_error_time: float = quantity("s", "for which a joint may be further off", gt=0.0, default=2.0)
+    joint_error_time: float = quantity("s", "for which a joint may be off by more", gt=0.0, default=2.0)
     heartbeat_timeout: float = quantity("s", "a module that is silent for longer is lost", gt=0.0, default=0.5)
     joint_timeout: float = quantity("s", "a joint whose angle is older is lost", gt=0.0, default=0.3)
     mocap_timeout: float = quantity("s", "of the estimator without the motion capture", gt=0.0, default=1.5)
     meter_timeout: float = quantity("s", "the same for the power meter", gt=0.0, default=3.0)
     max_lateness: float = quantity("s", "of one tick", gt=0.0, default=0.15)
     edge_margin: float = quantity("m", "distance to the edge of the volume at which to stop", gt=0.0, default=0.25)
-    straighten_time: float = quantity("s", "in which the robot straightens before it goes limp", gt=0.0, default=2.0)
-    straight: float = quantity("rad", "joints within this are straight", gt=0.0, default=math.radians(4.0))
+    straighten_time: float = quantity("s", "for the robot to straighten before it goes limp", gt=0.0, default=2.0)
+    straight: float = quantity("rad", "within this, a joint counts as straight", gt=0.0, default=math.radians(4.0))
 
 
 @value
@@ -213,17 +213,17 @@ class Acceptance:
     Those of speed, sideslip and turning limit changes in the run relative to the model; `model_speed` is only noted.
     """
 
-    joint_error: float = quantity("rad", "a joint off what its servo can follow", gt=0.0, default=math.radians(3.0))
-    angle_jump: float = quantity("rad", "a joint's angle beside its rate", gt=0.0, default=math.radians(3.0))
-    marker_jump: float = quantity("rad", "the heading by markers and joints", gt=0.0, default=math.radians(3.0))
-    swing_error: float = quantity("", "the markers' swing beside the model's", gt=0.0, default=0.2)
-    speed_change: float = quantity("", "the speed beside the model's changes", gt=0.0, default=0.2)
-    sideslip_change: float = quantity("", "the sideslip beside the model's changes", gt=0.0, default=0.2)
-    turn_change: float = quantity("rad", "a cycle's turn beside the model's changes", gt=0.0, default=math.radians(0.7))
-    model_speed: float = quantity("", "the speed is not the model's (ln): `laticauda identify`", gt=0.0, default=0.25)
-    pose_age: float = quantity("s", "the median age of what the cameras saw last", gt=0.0, default=0.25)
-    clock_drift: float = quantity("s/s", "the cameras' clock goes away from ours", gt=0.0, default=2e-4)
-    water_speed: float = quantity("m/s", "the straight robot drifts before the run", gt=0.0, default=0.01)
+    joint_error: float = quantity("rad", "joint error not explained by its servo", gt=0.0, default=math.radians(3.0))
+    angle_jump: float = quantity("rad", "joint-angle jump not explained by its rate", gt=0.0, default=math.radians(3.0))
+    marker_jump: float = quantity("rad", "jump of heading from markers and joints", gt=0.0, default=math.radians(3.0))
+    swing_error: float = quantity("", "difference of the markers' swing from the model's", gt=0.0, default=0.2)
+    speed_change: float = quantity("", "change of the speed relative to the model's", gt=0.0, default=0.2)
+    sideslip_change: float = quantity("", "change of the sideslip relative to the model's", gt=0.0, default=0.2)
+    turn_change: float = quantity("rad", "change of turning relative to the model's", gt=0.0, default=math.radians(0.7))
+    model_speed: float = quantity("", "log ratio of speed to the model's (`laticauda identify`)", gt=0.0, default=0.25)
+    pose_age: float = quantity("s", "median time since the cameras last saw the robot", gt=0.0, default=0.25)
+    clock_drift: float = quantity("s/s", "drift of the cameras' clock against ours", gt=0.0, default=2e-4)
+    water_speed: float = quantity("m/s", "drift of the straight robot before the run", gt=0.0, default=0.01)
     without_zero: float = quantity("", "modules without a zero (`joint_zeros` sets them)", gt=0.0, default=0.5)
 
 
@@ -231,39 +231,39 @@ class Acceptance:
 class Operation:
     """One run of a robot, from the connections to the last command: the content of a trial file."""
 
-    name: str = option("what its files are called")
+    name: str = option("base name of its files")
     robot: str = option("a preset or a TOML file; CAN node k drives its joint k - 1, tail first", default="mamba")
-    water: str | None = option("a preset, a TOML file or textbook, for the record; None: usual", default=None)
-    gait: gaits.Gait = option("what the joints do")
+    water: str | None = option("a preset, a TOML file or textbook; None: the robot's usual water", default=None)
+    gait: gaits.Gait = option("motion of the joints")
     following: control.Following | None = option("path following; None: open loop", default=None)
     start: Placement | None = option("where the robot is put; None: anywhere", default=None)
-    duration: float = quantity("s", "after which the run ends, if the tank does not before", gt=0.0, default=90.0)
+    duration: float = quantity("s", "after which the run ends, unless the tank ends first", gt=0.0, default=90.0)
     rate: float = quantity("1/s", "ticks per second", ge=LEAST_RATE, le=MOST_RATE, default=100.0)
     countdown: float = quantity("s", "before the run begins", ge=0.0, default=3.0)
     ramp: float = quantity("s", "of the smooth start", ge=0.0, default=3.0)
     offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=2.0)
     supply_voltage: float | None = quantity(
-        "V", "V of (4), by which the power meter's current becomes power; needed beside a meter", gt=0.0, default=None
+        "V", "V of (4), to turn the power meter's current into power; required with a meter", gt=0.0, default=None
     )
     estimator: Literal["filter", "kinematics"] = option(
-        "what says where the robot is; kinematics, always taken in space, bridges no drop-out", default="filter"
+        "state estimator; kinematics, always used in space, does not bridge dropouts", default="filter"
     )
-    connection: Connection = option("where the devices are", default_factory=Connection)
-    tank: CaptureVolume = option("where the path is in the tank", default_factory=CaptureVolume)
-    calibration: Calibration = option("what is measured before", default_factory=Calibration)
-    limits: Limits = option("what the supervisor accepts", default_factory=Limits)
-    acceptance: Acceptance = option("what a run is accepted with", default_factory=Acceptance)
-    learning: estimation.Learning | None = option("what a twin learns meanwhile; None: nothing", default=None)
+    connection: Connection = option("drivers and addresses of the devices", default_factory=Connection)
+    tank: CaptureVolume = option("measuring volume, and where the path lies in the tank", default_factory=CaptureVolume)
+    calibration: Calibration = option("measurements before the run", default_factory=Calibration)
+    limits: Limits = option("limits that the safety supervisor enforces", default_factory=Limits)
+    acceptance: Acceptance = option("limits for accepting the run", default_factory=Acceptance)
+    learning: estimation.Learning | None = option("what a digital twin learns; None: nothing", default=None)
 
     def __post_init__(self) -> None:
         """Check the name, and the rules that involve two fields."""
         if not self.name.replace("-", "").replace("_", "").isalnum():
-            raise BadArgument("name", f"must be letters, digits, `-` and `_`, as in a file's name, got {self.name!r}")
+            raise BadArgument("name", f"must be a file name of letters, digits, `-` and `_`, got {self.name!r}")
         if self.supply_voltage is None and self.connection.meter_address:
-            rule = "must be given in V beside a power meter, whose current it turns into power, got None"
+            rule = "must be given in V with a power meter, to turn its current into power, got None"
             raise BadArgument("supply_voltage", rule)
         if self.learning is not None and self.in_space:
-            raise BadArgument("learning", "must be left out in depth, where nothing is learnt")
+            raise BadArgument("learning", "must be left out in space, where nothing is learned")
 
     @property
     def in_space(self) -> bool:
@@ -302,10 +302,10 @@ class OperationFileError(LaticaudaError, ValueError):
 class SeriesFile:
     """Content of a series file."""
 
-    name: str = option("what its folder is called")
-    repeats: int = quantity("", "how often every setting is run", ge=1, default=1)
-    retries: int = quantity("", "how many rejected runs of a setting are run again", ge=0, default=1)
-    trials: tuple[Operation, ...] = option("the settings, in their order")
+    name: str = option("name of its folder")
+    repeats: int = quantity("", "number of runs of every setting", ge=1, default=1)
+    retries: int = quantity("", "number of rejected runs of a setting that are repeated", ge=0, default=1)
+    trials: tuple[Operation, ...] = option("the settings, in order")
 
     def __post_init__(self) -> None:
         """Reject a series without trials, and trials of the same name."""
@@ -314,7 +314,7 @@ class SeriesFile:
         names = [operation.name for operation in self.trials]
         for name in names:
             if names.count(name) > 1:
-                raise BadArgument("trials", f"must have names of their own, got {name!r} twice")
+                raise BadArgument("trials", f"must have distinct names, got {name!r} twice")
 
 
 def load_operation(path: str | Path) -> Operation | SeriesFile:

@@ -226,7 +226,7 @@ def _modules(modules: limits.Modules) -> Any:
         table.add_column(name, justify="left" if name == "state" else "right", min_width=width)
     for k, beat in enumerate(modules.heartbeat):
         if beat is None:
-            table.add_row(str(k + 1), "[red]not heard[/]", "", "", "", "")
+            table.add_row(str(k + 1), "[red]silent[/]", "", "", "", "")
             continue
         color = "red" if beat.leak else STATE_COLORS.get(beat.state, "white")
         word = "LEAK" if beat.leak else beat.state.name.lower()

@@ -72,8 +72,8 @@ class Verdict:
     def reason(self) -> str:
         """First fault found, as a sentence; "" if the run is accepted."""
         wrong = [check.says for check in self.checks if check.word == "WRONG"]
-        wrong += ["it came to an edge before a cycle was whole, and nothing vouches for it"] if self.is_cut else []
-        return f"The run is not right: {wrong[0]}." if wrong else ""
+        wrong += ["it reached an edge before a cycle was complete, so nothing confirms it"] if self.is_cut else []
+        return f"The run failed a check: {wrong[0]}." if wrong else ""
 
     def summary(self) -> dict[str, Any]:
         """Return the verdict in a form ready for JSON and for a recording."""

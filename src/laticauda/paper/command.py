@@ -29,20 +29,20 @@ class Reproduce(command.Command):
     one folder. For example: laticauda reproduce --joints prescribed --output reproduction
     """
 
-    only: Literal["efficiency", "path-following"] | None = option("Run this half of the paper only", default=None)
-    model: Literal["planar", "spatial"] = option("Model of the body; the one in MuJoCo takes minutes", default="planar")
-    joints: str | None = option("The joint law; the parameters', or prescribed, if left out", default=None)
+    only: Literal["efficiency", "path-following"] | None = option("Run only this half of the paper", default=None)
+    model: Literal["planar", "spatial"] = option("Body model; `spatial` (MuJoCo) takes minutes", default="planar")
+    joints: str | None = option("Joint law; that of the parameters, or prescribed, if omitted", default=None)
     parameters: str | None = option(
-        "A preset or a parameter file: its numbers for water and robots instead of the paper's, which stay beside them",
+        "Preset or parameter file: its water and robots replace the paper's, which are still shown for comparison",
         default=None,
     )
     repeats: File = option(
-        "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the "
+        "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show in the "
         "figures of the efficiency study with their scatter",
         default=None,
     )
-    workers: int | None = quantity("", "Processes to share the work; one per core if left out", ge=1, default=None)
-    output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
+    workers: int | None = quantity("", "Number of worker processes; one per core if omitted", ge=1, default=None)
+    output: Folder = option("Output folder, created if missing; same-named files are replaced", default="reproduction")
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""

@@ -28,10 +28,10 @@ class SweepSettings:
     """A range of one parameter of the gait, with the other two held fixed."""
 
     parameter: str = option("Parameter of the gait", check=one_among(*PARAMETERS))
-    low: float = quantity("rad", "Where it begins")
-    high: float = quantity("rad", "Where it ends; within the sweep if the steps lead there")
-    step: float = quantity("rad", "Between two values", gt=0.0)
-    fixed: Mapping[str, float] = option("The other two parameters; rad, frequency in rad/s, as all here")
+    low: float = quantity("rad", "First value")
+    high: float = quantity("rad", "Last value; included if the steps reach it")
+    step: float = quantity("rad", "Step between values", gt=0.0)
+    fixed: Mapping[str, float] = option("The other two parameters; in rad, the frequency in rad/s")
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -71,7 +71,7 @@ class Group:
 
     gait: str = option("The gait's kind")
     robot: str = option("The robot's name (`load_robot`)")
-    figures: tuple[int, ...] = quantity("", "Numbers of the paper's: of velocity and power, or by case of Table 2")
+    figures: tuple[int, ...] = quantity("", "Numbers in the paper: of velocity and power, or by case of Table 2")
 
     @property
     def has_fin(self) -> bool:
@@ -119,7 +119,7 @@ class EfficiencySettings:
 class HeldOut:
     """A published trial of the same robot, on which no choice here is based."""
 
-    gait: lc.Gait = option("What the joints are asked for, apart from the steering")
+    gait: lc.Gait = option("Commanded gait, without the steering")
     robot: str = option("The robot's name (`load_robot`)")
     initial_cross_track_error: float = quantity("m", "Initial distance from the path, positive to its left")
     initial_heading: float = quantity("rad", "Initial heading")
@@ -131,16 +131,16 @@ class HeldOut:
 class PathFollowingSettings:
     """Settings of the path-following study: all cases of Table 2 along the x axis, in every combination of the band."""
 
-    duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
+    duration: float = quantity("s", "Time after which a run ends", ge=LEAST_DURATION, le=1e5)
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
     following: lc.Following = option("How every run is steered along the x axis")
-    coefficients: Coefficients = option("The water of every gait")
-    accepted_error: float = quantity("m", "What the mean over the gait cycle shall stay within at the end", gt=0.0)
-    joint_laws: tuple[str, ...] = option("Of the band: how the joints follow the gait")
-    offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Of the band: bandwidths of the reference generator")
+    coefficients: Coefficients = option("Water of every gait")
+    accepted_error: float = quantity("m", "Limit of the mean error over the gait cycle at the end", gt=0.0)
+    joint_laws: tuple[str, ...] = option("Joint laws of the band")
+    offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Bandwidths of the reference generator in the band")
     groups: tuple[Group, ...] = option("The parts of Table 2")
     held_out: HeldOut = option("The trial of another publication")
-    own: tuple[Coefficients, ...] = option("Models that run every trial besides, each with its own joints", default=())
+    own: tuple[Coefficients, ...] = option("Further models that run every trial, each with its own joints", default=())
 
     def __post_init__(self) -> None:
         """Check the fields."""

@@ -46,16 +46,16 @@ class SideSettings:
     """Settings of the side trials."""
 
     phase_shifts: SweepSettings = option("The sweep over the phase shift", default_factory=_phase_shifts)
-    gaits: tuple[lc.Gait, ...] = option("Of sensitivities; by default the fastest of Table 1", default_factory=_fast)
+    gaits: tuple[lc.Gait, ...] = option("Of sensitivities; the fastest of Table 1 if omitted", default_factory=_fast)
     n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
-    doubled: tuple[lc.Gait, ...] = option("How the shorter robot swims; the paper's by default", default_factory=_held)
-    duration: float = quantity("s", "Of every trial", gt=0.0, default=30.0)
-    coefficients: Coefficients = option("The water by gait; by default the paper's", default_factory=paper_coefficients)
+    doubled: tuple[lc.Gait, ...] = option("Gaits of the shorter robot; the paper's if omitted", default_factory=_held)
+    duration: float = quantity("s", "Duration of every trial", gt=0.0, default=30.0)
+    coefficients: Coefficients = option("Water by gait; the paper's if omitted", default_factory=paper_coefficients)
 
     def __post_init__(self) -> None:
         """Check the fields."""
         if self.n_links[0] >= self.n_links[1]:
-            raise BadArgument("n_links", f"must be two rising numbers, got {self.n_links}")
+            raise BadArgument("n_links", f"must be two increasing numbers, got {self.n_links}")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -33,9 +33,11 @@ class Film:
     """
 
     size: tuple[int, int] = quantity("", "Width and height in pixels", ge=64, le=4096, default=(1280, 720))
-    frames_per_second: float = quantity("1/s", "Pictures in a second of the film", gt=0.0, le=240.0, default=30.0)
-    begin: float | None = quantity("s", "Time of the trial at which it begins; its start if left out", default=None)
-    end: float | None = quantity("s", "Time of the trial at which it ends; its end if left out", default=None)
+    frames_per_second: float = quantity("1/s", "Frames per second of the film", gt=0.0, le=240.0, default=30.0)
+    begin: float | None = quantity(
+        "s", "Time in the trial at which the film begins; its start if omitted", default=None
+    )
+    end: float | None = quantity("s", "Time in the trial at which the film ends; its end if omitted", default=None)
     camera: Camera = option("`follow` turns with it, `side` is beside, `top` above, `fixed` sees all", default="follow")
 
     def span(self, trial: Trial) -> tuple[float, float]:

@@ -96,12 +96,12 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
     speed = positive("speed", speed)
     load_mujoco()
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
+        raise NoWindow(f"A window needs a screen, but there is none here; {INSTEAD}.")
     glfw: Any = import_module("glfw")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the exceptions below report it
         if not glfw.init():
-            raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
+            raise NoWindow(f"A window needs a screen, but the one that is set here cannot be used; {INSTEAD}.")
     stage = studio_of(trial)
     began = time.monotonic()
     stage.take(posture_at(trial, float(trial.time[0]), stage.height))

@@ -183,7 +183,7 @@ def _write_environment(
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
     S[rows.CURRENT_X], S[rows.CURRENT_Y], upward = environment.uniform
     if upward:
-        rule = "must be in the plane for the planar model; `model` may be `spatial`, got"
+        rule = "must be horizontal unless `model` is `spatial`, got"
         raise BadArgument("current", f"{rule} {upward:g} m/s upward")
     S[rows.HEIGHT] = -(environment.depth or 0.0)
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
@@ -266,7 +266,7 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
         for i, one in enumerate(getattr(robot, group)):
             for name in ("elevation", "roll"):
                 if getattr(one, name) != 0.0:
-                    rule = "must be 0 in the planar model, out of whose plane it acts; `model` may be `spatial`, got"
+                    rule = "must be 0 unless `model` is `spatial`, since it acts out of the plane, got"
                     raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
     records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
     records = records.reshape(-1, rows.BODY_ROWS)

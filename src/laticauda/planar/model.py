@@ -153,7 +153,7 @@ class PlanarPlant(Plant[Planar]):
             raise BadArgument(
                 "gait.pitch",
                 "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
-                f"{'an offset of them' if gait.pitch is None else gait.pitch}",
+                f"{'a pitch offset' if gait.pitch is None else gait.pitch}",
             )
         is_plain = command.references is command.enabled is command.thrusts is command.deflections is None
         if kept is not gait or not is_plain:

@@ -61,7 +61,7 @@ class School(school.School[PlanarPlant]):
             now, S = replace(water, current=one), self._lanes[here, :, there]
             flow = flow_rows(now)
             if (flow.parts, flow.counts) != (own.parts, own.counts):
-                raise BadArgument("current", "must have the parts of the plant's, with other numbers")
+                raise BadArgument("current", "must have the same parts as the plant's current; only numbers may differ")
             S[rows.CURRENT_X], S[rows.CURRENT_Y] = now.uniform[:2]
             S[int(S[rows.FLOW]) :][: flow.numbers.size] = flow.numbers
 

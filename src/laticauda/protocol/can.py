@@ -105,14 +105,14 @@ def _numbers(field: str, hint: Any, start: int) -> Iterator[Number]:
 
 LAYOUTS = (
     Layout(messages.EmergencyStop, 0x001, "All motors off until cleared."),
-    Layout(messages.NodeCommand, 0x010, "An order to one node or to all."),
-    Layout(messages.References, 0x100, "Reference angles of four joints; they count from the next Sync on."),
+    Layout(messages.NodeCommand, 0x010, "A command to one node or to all."),
+    Layout(messages.References, 0x100, "Reference angles of four joints; in force from the next Sync on."),
     # After the references: with a higher priority, it could overtake those to which it applies.
-    Layout(messages.Sync, 0x180, "References count from here; every node measures and answers."),
+    Layout(messages.Sync, 0x180, "References are in force from here on; every node measures and answers."),
     Layout(messages.JointState, 0x200, "The answer to every Sync."),
     Layout(messages.Loads, 0x280, "The force/torque sensor."),
     Layout(messages.Acceleration, 0x300, "The accelerometer."),
-    Layout(messages.Heartbeat, 0x700, "How a node is."),
+    Layout(messages.Heartbeat, 0x700, "The state of a node."),
     Layout(messages.CommandReply, 0x780, "The answer to a NodeCommand."),
 )
 

@@ -109,7 +109,7 @@ class NodeCommand:
     """Number of the node; 0: all nodes [-]."""
     order: Order
     """The order [-]."""
-    angle: Annotated[float, _number("0.0001", "rad", "SET_ZERO: what the present joint angle shall read")] = 0.0
+    angle: Annotated[float, _number("0.0001", "rad", "SET_ZERO: what the present joint angle is to read")] = 0.0
     """For SET_ZERO: value that the present joint angle shall read [rad]."""
 
 

@@ -129,7 +129,7 @@ def decode_displayed(text: str) -> MeterReading:
     except (IndexError, ValueError) as error:
         if isinstance(error, ProtocolError):
             raise
-        raise ProtocolError(f"the meter's answer to QDDA makes no sense: {text!r:.80}") from None
+        raise ProtocolError(f"the meter's answer to QDDA is invalid: {text!r:.80}") from None
     live, duration = values.get("LIVE", values.get("PRIMARY")), now - began
     if live is None:
         raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
@@ -141,5 +141,5 @@ def decode_displayed(text: str) -> MeterReading:
 def _current(word: str) -> float:
     value = float(word)
     if not abs(value) < OVERLOAD:
-        raise ProtocolError(f"the meter is overloaded, it reads {word!r:.40}")
+        raise ProtocolError(f"the meter is overloaded: it reads {word!r:.40}")
     return value

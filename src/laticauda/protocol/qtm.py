@@ -119,7 +119,7 @@ class PacketReader:
         while len(self._waiting) >= HEADER.size:
             size, kind = HEADER.unpack_from(self._waiting)
             if not HEADER.size <= size <= LARGEST:
-                raise ProtocolError(f"a packet says that it has {size} bytes")
+                raise ProtocolError(f"a packet claims to have {size} bytes")
             if len(self._waiting) < size:
                 return
             payload, self._waiting = self._waiting[HEADER.size : size], self._waiting[size:]

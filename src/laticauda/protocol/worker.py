@@ -178,7 +178,7 @@ def urgent() -> Generator[str]:
         for number in urgency:
             os.sched_setaffinity(number, {cores[os.getpid() % len(cores)]})
     try:
-        granted = "real-time priority" if cores else "the priority of any program, for the system allows no other"
+        granted = "real-time priority" if cores else "normal priority, as the system allows no other"
         yield f"The loop has {granted}, and memory that {'stays in place' if fixed else 'may be swapped out'}."
     finally:
         for number in urgency:

@@ -142,7 +142,7 @@ def _parameters(done: Validation) -> list[Row]:
         unknown, estimate = found.problem.unknowns[k], found.estimates[k]
         low, high = estimate.interval or (None, None)
         tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
-        notes = (estimate.note.replace("`", ""), f"with it change: {tied}" if tied else "")
+        notes = (estimate.note.replace("`", ""), f"changes with it: {tied}" if tied else "")
         row = _value_of(estimate) | {f"{100 * found.method.confidence:g} % interval, low": low, "high": high}
         if done.profiles:
             row |= dict(zip(("profile, low", "profile, high"), done.profiles[estimate.name], strict=True))

@@ -36,18 +36,18 @@ class Actuator:
         [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
     """
 
-    stated: bool = option("Whether the motor's numbers are the robot's own", default=True)
+    stated: bool = option("Whether the motor data are the robot's own and not Mamba's", default=True)
     proportional_gain: float = quantity("N m/rad", "k_p of the `pd` law", ge=0.0, default=20.0)
     derivative_gain: float = quantity("N m s/rad", "k_d of the `pd` law", ge=0.0, default=5.0)
     stall_torque: float = quantity("N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9)
     no_load_speed: float = quantity("rad/s", "Speed of the servo at full duty and no torque", gt=0.0, default=7.5)
     servo_gain: float = quantity("1/rad", "Duty of the servo per angle error", gt=0.0, default=5.7)
-    friction_torque: float = quantity("N m", "Dry friction of the gear, beyond the figures", ge=0.0, default=0.0)
+    friction_torque: float = quantity("N m", "Dry friction of the gear, on top of the motor data", ge=0.0, default=0.0)
     viscous_friction: float = quantity("N m s/rad", "Viscous friction of the gear, likewise", ge=0.0, default=0.0)
-    voltage: float = quantity("V", "Supply of the servo", gt=0.0, default=7.4)
+    voltage: float = quantity("V", "Supply voltage of the servo", gt=0.0, default=7.4)
     stall_current: float = quantity("A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6)
     idle_current: float = quantity("A", "Current of the servo at rest without load", ge=0.0, default=0.0)
-    tracking: float = quantity("", "Share of the gait that a `prescribed` joint does", gt=0.0, le=1.5, default=1.0)
+    tracking: float = quantity("", "Ratio of a `prescribed` joint's angle to the gait's", gt=0.0, le=1.5, default=1.0)
 
     @property
     def stall_power(self) -> float:
@@ -70,7 +70,7 @@ class Joint:
     counted = ("axis",)  # keys that may be lists in a file entry with a `count`
     axis: Literal["yaw", "pitch"] = option("`yaw` bends the body in the plane, `pitch` out of it", default="yaw")
     limit: float = quantity("rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0)
-    actuator: Actuator = option("What drives it", default_factory=Actuator)
+    actuator: Actuator = option("Actuator that drives it", default_factory=Actuator)
     stiffness: float = quantity("N m/rad", "k_s of the skin", ge=0.0, default=0.0)
     damping: float = quantity("N m s/rad", "d_s of the skin", ge=0.0, default=0.0)
 
@@ -81,7 +81,7 @@ class Section:
 
     half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0)
     half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0)
-    shape: Literal["ellipse", "box"] = option("What has these half-axes, for volume and textbook", default="ellipse")
+    shape: Literal["ellipse", "box"] = option("Shape, for the volume and the textbook water", default="ellipse")
 
     @property
     def area(self) -> float:
@@ -105,7 +105,7 @@ class Module:
     """
 
     counted = ()  # keys that may be lists in a file entry with a `count`
-    length: float = quantity("m", "Whole length 2l", gt=0.0, le=100.0)
+    length: float = quantity("m", "Full length 2l", gt=0.0, le=100.0)
     mass: float = quantity("kg", "Mass m", gt=0.0)
     section: Section = option("Cross-section")
     tangential_friction: float | None = quantity("", "C_f, or None for the water's", ge=0.0, default=None)
@@ -113,7 +113,7 @@ class Module:
     added_mass: float | None = quantity("", "C_A, or None for the water's", ge=0.0, default=None)
     added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
     center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
-    inertia: float | None = quantity("kg m^2", "Vertical, about center of mass; None: a rod's", gt=0.0, default=None)
+    inertia: float | None = quantity("kg m^2", "Yaw inertia about center of mass; None: a rod's", gt=0.0, default=None)
 
     def __post_init__(self) -> None:
         if abs(self.center) > self.half_length:

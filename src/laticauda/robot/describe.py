@@ -89,7 +89,7 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     for place, joint in _runs([replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]):
         yield f"joints {place}", in_a_line(told(joint, "axis", "actuator"))
     for place, actuator in _runs([joint.actuator for joint in robot.joints]):
-        stated = "" if actuator.stated else "not stated; if it were Mamba's: "
+        stated = "" if actuator.stated else "not stated; with Mamba's servo: "
         yield f"actuators {place}", stated + in_a_line(told(actuator, "stated"))
     if fin is not None:
         no_hole = () if fin.opening_length else ("opening",)
@@ -108,7 +108,7 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     if robot.idle_power:
         yield "power at rest", f"{robot.idle_power:g} W"
     if robot.active_power is not None:
-        yield "electronics while it swims", f"{robot.active_power:g} W above that"
+        yield "electronics while swimming", f"{robot.active_power:g} W above power at rest"
 
 
 def _axes(joints: Sequence[body.Joint]) -> str:
@@ -116,7 +116,7 @@ def _axes(joints: Sequence[body.Joint]) -> str:
     if "p" not in axes:
         return "all yaw"
     if "yy" not in axes and "pp" not in axes:
-        return f"yaw and pitch in turn, {joints[0].axis} at the tail"
+        return f"alternating yaw and pitch, {joints[0].axis} at the tail"
     return f"{axes} from the tail (y yaw, p pitch)"
 
 

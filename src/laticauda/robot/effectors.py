@@ -92,24 +92,24 @@ class CaudalFin:
     about its root according to `Gait.fin`. Neither counts as a link or a joint of the body.
     """
 
-    length: float = quantity("m", "Length from the root to the rear, opening included", gt=0.0, le=100.0, default=0.5)
+    length: float = quantity("m", "Length from root to trailing edge, opening included", gt=0.0, le=100.0, default=0.5)
     height: float = quantity("m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09)
     opening_length: float = quantity("m", "Length of the opening, which begins at the root", ge=0.0, default=0.12)
     opening: Literal["open", "closed"] = option("`closed`: the plate reaches to the root", default="open")
-    thickness: float = quantity("m", "Thickness, which counts for the mass only", gt=0.0, le=10.0, default=0.005)
-    n_strips: int = quantity("", "Equal strips behind the opening, or where it would be", ge=1, le=1000, default=8)
+    thickness: float = quantity("m", "Thickness, used only for the mass", gt=0.0, le=10.0, default=0.005)
+    n_strips: int = quantity("", "Equal strips behind the opening, even if it is closed", ge=1, le=1000, default=8)
     tangential_friction: float | None = quantity("", "C_f,fin, both faces; None for the water's", ge=0.0, default=None)
     normal_drag: float | None = quantity("", "C_D,fin, or None for the water's", ge=0.0, default=None)
     added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)
-    density: float = quantity("kg/m^3", "Density; the default floats in fresh water", gt=0.0, default=1000.0)
-    n_hinges: int = quantity("", "Passive hinges that stand for its bending; 0: rigid", ge=0, le=MOST_HINGES, default=0)
-    flexural_rigidity: float | None = quantity("N m^2", "E I, needed with hinges (E h t^3 / 12)", gt=0.0, default=None)
-    bending_damping: float = quantity("N m^2 s", "eta I of the plate, eta its viscosity", ge=0.0, default=0.0)
+    density: float = quantity("kg/m^3", "Density; neutrally buoyant in fresh water if omitted", gt=0.0, default=1000.0)
+    n_hinges: int = quantity("", "Passive hinges that represent bending; 0: rigid", ge=0, le=MOST_HINGES, default=0)
+    flexural_rigidity: float | None = quantity("N m^2", "E I = E h t^3 / 12; needed with hinges", gt=0.0, default=None)
+    bending_damping: float = quantity("N m^2 s", "eta I of the plate, with its viscosity eta", ge=0.0, default=0.0)
     joint: Joint | None = option("A driven hinge at the root, or None", default=None)
 
     def __post_init__(self) -> None:
         if self.opening_length >= self.length:
-            raise BadArgument("opening_length", f"must be < {self.length:g} m, its `length`, got {self.opening_length}")
+            raise BadArgument("opening_length", f"must be < {self.length:g} m, the `length`, got {self.opening_length}")
         if self.n_hinges and self.flexural_rigidity is None:
             raise BadArgument("flexural_rigidity", "must be given in N m^2 for a fin with `n_hinges` > 0, got None")
         if self.joint is not None and self.joint.axis != "yaw":
@@ -158,13 +158,13 @@ class Mounted:
     The planar model treats a mount above or below the link's axis as a mount on the axis.
     """
 
-    link: int = quantity("", "Link that carries it, counted from the tail, from 0", ge=0)
-    x: float = quantity("m", "Mount along the link from its mid-length, headward positive", default=0.0)
-    y: float = quantity("m", "Mount across the link from its axis, to the left positive", default=0.0)
-    z: float = quantity("m", "Mount above the link's axis", default=0.0)
-    angle: float = quantity("rad", "beta, of its x axis from the link's, counter-clockwise", default=0.0)
-    elevation: float = quantity("rad", "Rise of its x axis above the link's plane; in space only", default=0.0)
-    roll: float = quantity("rad", "About its x axis, positive lifts its left side; in space only", default=0.0)
+    link: int = quantity("", "Link that carries it, counted from 0 at the tail", ge=0)
+    x: float = quantity("m", "Position of the mount along the link, from mid-length toward the head", default=0.0)
+    y: float = quantity("m", "Position of the mount across the link, from its axis to the left", default=0.0)
+    z: float = quantity("m", "Height of the mount above the link's axis", default=0.0)
+    angle: float = quantity("rad", "beta, from the link's x axis to its own, counter-clockwise", default=0.0)
+    elevation: float = quantity("rad", "Elevation of its x axis above the link's plane; in space only", default=0.0)
+    roll: float = quantity("rad", "Roll about its x axis; positive lifts its left side; in space only", default=0.0)
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -176,8 +176,8 @@ class Mounted:
 class Thruster(Mounted):
     """Thruster along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
 
-    thrust: float = quantity("N", "Thrust T, where no command says it; negative pushes backward")
-    max_thrust: float | None = quantity("N", "Most, to either side, that a command gets", ge=0.0, default=None)
+    thrust: float = quantity("N", "Thrust T unless commanded; negative pushes backward")
+    max_thrust: float | None = quantity("N", "Limit of commanded thrust in either direction", ge=0.0, default=None)
 
 
 @value
@@ -192,17 +192,17 @@ class PectoralFin(Mounted):
     """
 
     area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
-    lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before the stall", ge=0.0)
+    lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before stall", ge=0.0)
     stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=np.pi / 2.0)
-    stall_sharpness: float = quantity("", "How sudden the stall is", gt=0.0, default=50.0)
-    parasitic_drag: float = quantity("", "Drag coefficient without lift", ge=0.0, default=0.0)
-    deflection: float = quantity("rad", "Turn of the chord about its z axis, where no command says it", default=0.0)
-    max_deflection: float | None = quantity("rad", "Most, to either side, that a command gets", ge=0.0, default=None)
+    stall_sharpness: float = quantity("", "Sharpness of the stall", gt=0.0, default=50.0)
+    parasitic_drag: float = quantity("", "Drag coefficient at zero lift", ge=0.0, default=0.0)
+    deflection: float = quantity("rad", "Rotation of the chord about its z axis unless commanded", default=0.0)
+    max_deflection: float | None = quantity("rad", "Limit of commanded deflection to either side", ge=0.0, default=None)
 
 
 @value
 class Tether:
     """Cable at the tail end: F = -k |v| v plus a constant force."""
 
-    drag: float = quantity("kg/m", "k, lumped over the cable", ge=0.0, default=0.0)
+    drag: float = quantity("kg/m", "k, lumped for the whole cable", ge=0.0, default=0.0)
     force: tuple[float, float] = quantity("N", "Constant force in world axes", default=(0.0, 0.0))

@@ -25,28 +25,28 @@ class Water:
     The coefficients apply to every module and to the fin, except those with coefficients of their own.
     """
 
-    name: str = option("What messages and stored trials call it", default="custom", check=label)
+    name: str = option("Name used in messages and stored trials", default="custom", check=label)
     density: float = quantity("kg/m^3", "rho", gt=0.0, default=1000.0)
     tangential_friction: float = quantity("", "C_f, drag along the body", ge=0.0)
     normal_drag: float = quantity("", "C_D, drag across the body", ge=0.0)
     added_mass: float = quantity("", "C_A, added mass across the body", ge=0.0)
-    added_inertia: float = quantity("", "C_M, added moment of inertia; not with `strip`", ge=0.0, default=1.0)
-    tangential_added_mass: float = quantity("", "Added per displaced mass, along the body", ge=0.0, default=0.0)
+    added_inertia: float = quantity("", "C_M, added moment of inertia; unused with `strip`", ge=0.0, default=1.0)
+    tangential_added_mass: float = quantity("", "Added mass along the body per displaced mass", ge=0.0, default=0.0)
     friction_taper: float = quantity(
-        "", "C_f from 1 + taper times it at the tail end to 1 - taper at the head end", ge=-1.0, le=1.0, default=0.0
+        "", "C_f is 1 + taper times as large at the tail end, 1 - taper at the head end", ge=-1.0, le=1.0, default=0.0
     )
-    drag: DragLaw = option("How the drag depends on the speed: a law with numbers of its own", default=PolynomialDrag())
+    drag: DragLaw = option("Drag as a function of speed: a law with its own parameters", default=PolynomialDrag())
     added_mass_form: Literal["relative", "kirchhoff", "classic"] = option(
-        "`relative`, the paper's; `kirchhoff`, which keeps energy; `classic`, for comparison only", default="relative"
+        "`relative`: as in the paper; `kirchhoff`: conserves energy; `classic`: for comparison only", default="relative"
     )
     rotational: Literal["paper", "strip"] = option(
-        "Torque of a link: by the `paper`'s coefficients, or by normal loads along it (`strip`)", default="paper"
+        "Torque on a link: from the `paper`'s coefficients, or from normal loads along it (`strip`)", default="paper"
     )
     trailing_edge: Literal["none", "elongated"] = option(
-        "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
+        "`elongated` adds Lighthill's wake force at the end of the fin or tail; requires `kirchhoff`", default="none"
     )
     current: Current = quantity("m/s", "V, velocity of the water in world axes, or a flow", default=(0.0, 0.0))
-    depth: float | None = quantity("m", "Axis depth; None: far below, flows as at the surface", gt=0.0, default=None)
+    depth: float | None = quantity("m", "Depth of the axis; None: deep, flows as at the surface", gt=0.0, default=None)
 
     def __post_init__(self) -> None:
         current = self.current if not isinstance(self.current, Flow) else self.current.constant or self.current
@@ -55,11 +55,11 @@ class Water:
         object.__setattr__(self, "current", current)
         bed = min(getattr(one, "depth", None) or math.inf for one in getattr(current, "flows", (current,)))
         if (self.depth or 0.0) > bed:
-            raise BadArgument("depth", f"must be <= {bed:g} m, where the bed of its flow is, got {self.depth:g}")
+            raise BadArgument("depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}")
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
-                "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that carries the momentum which "
+                "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that includes the momentum that "
                 f"an edge sheds (here it is `{self.added_mass_form}`), got 'elongated'",
             )
 
@@ -108,11 +108,11 @@ class Water:
 class Ground:
     """Flat ground with anisotropic friction: `viscous`, proportional to the speed, or dry (`coulomb`)."""
 
-    name: str = option("What messages and stored trials call it", default="custom", check=label)
-    friction: DragLaw = option("The law: `viscous` or `coulomb`")
-    tangential: float = quantity("", "Coefficient along a link: N s/m, or share of its weight", ge=0.0)
+    name: str = option("Name used in messages and stored trials", default="custom", check=label)
+    friction: DragLaw = option("Friction law: `viscous` or `coulomb`")
+    tangential: float = quantity("", "Coefficient along a link: N s/m, or fraction of its weight", ge=0.0)
     normal: float = quantity("", "Coefficient across a link, likewise", ge=0.0)
-    gravity: float = quantity("m/s^2", "g; `viscous` does not use it", ge=0.0, default=9.81)
+    gravity: float = quantity("m/s^2", "g; not used by `viscous`", ge=0.0, default=9.81)
 
 
 Environment: TypeAlias = Water | Ground
@@ -133,7 +133,7 @@ class Scene(Extensible, group="scenes"):
     wet: ClassVar[bool] = False
     """Whether the scene requires water."""
     level: float = quantity("m", "Height of the water's surface", default=0.0)
-    ground: Ground | None = option("How its ground rubs on the robot; left out, as MuJoCo has it", default=None)
+    ground: Ground | None = option("Friction of its ground on the robot; MuJoCo's if omitted", default=None)
 
     def __call__(self, spec: Any) -> None:
         """Add the scene to a `mujoco.MjSpec` that already contains the robots."""

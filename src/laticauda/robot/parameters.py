@@ -42,7 +42,7 @@ Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 
 SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
 OF_ROBOT = ("active_power", "electronics_power")
-REFUSED = {"axis": "a parameter file does not turn joints", "actuator": "the table `actuator` beside it is for that"}
+REFUSED = {"axis": "a parameter file cannot change the axes of joints", "actuator": "use the separate table `actuator`"}
 NAMES = (*SECTIONS, "robot")
 
 
@@ -92,7 +92,7 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
     values = codec.table_of(table, path)
     for key, given in values.items():
         if given is None:
-            raise codec.BadKey(f"{path}.{key}", "must be left out where the robot's own value is meant, got None")
+            raise codec.BadKey(f"{path}.{key}", "must be left out to keep the robot's own value, got None")
     if name == "robot":
         codec.check_keys(values, OF_ROBOT, path)
         with codec.arguments_of(path):
@@ -134,14 +134,14 @@ class Parameters:
         ValueError: If a parameter is unknown or out of range.
     """
 
-    name: str = option("What files and stored trials call them; the waters are called after them", check=label)
-    title: str = option("What a legend says", check=label)
-    joints: JointLaw | str | None = option("Joint law that they go with, by name or with its numbers", default=None)
-    every_gait: Water = option("For the gaits that have no water of their own")
-    own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
-    changes: Adjustments = option("Of a robot, by table", default_factory=dict[str, dict[str, Any]], check=_checked)
+    name: str = option("Name used in files and stored trials; the waters are named after it", check=label)
+    title: str = option("Label in legends", check=label)
+    joints: JointLaw | str | None = option("Joint law they belong to, by name or with parameters", default=None)
+    every_gait: Water = option("Water for the gaits without their own")
+    own: Mapping[str, Water] = option("Water by kind of gait", default_factory=dict[str, Water])
+    changes: Adjustments = option("Robot changes, by table", default_factory=dict[str, dict[str, Any]], check=_checked)
     own_changes: Mapping[str, Adjustments] = option(
-        "By kind of gait: what it changes besides", default_factory=dict[str, Adjustments], check=_checked_by_gait
+        "Further changes, by kind of gait", default_factory=dict[str, Adjustments], check=_checked_by_gait
     )
 
     def __post_init__(self) -> None:
@@ -270,7 +270,7 @@ def _differences(own: Any, usual: Any) -> codec.Table:
         if one.name == "name" or mine == its:
             continue
         if mine is None:
-            raise BadArgument(one.name, "must be a number, as it is for every gait; a file cannot take it away")
+            raise BadArgument(one.name, "must be a number, as it is for every gait; a file cannot remove it")
         hint = hints_of(own.__class__)[one.name]
         is_same_law = isinstance(mine, DragLaw) and mine.__class__ is its.__class__
         table[one.name] = _differences(mine, its) if is_same_law else codec.encode(mine, hint)

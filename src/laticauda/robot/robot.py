@@ -28,26 +28,26 @@ class Robot:
     electrical power under any joint law; without it, only with `servo` joints, where it counts as 0.
     """
 
-    name: str = option("What messages and stored trials call it", check=label)
-    description: str = option("One line about it", default="")
+    name: str = option("Name used in messages and stored trials", check=label)
+    description: str = option("One-line description", default="")
     modules: tuple[body.Module, ...] = option("The rigid pieces, from tail to head")
     joints: tuple[body.Joint, ...] = option("Joint i connects modules i and i + 1", default=())
     caudal_fin: effectors.CaudalFin | None = option("The fin behind module 0, or None", default=None)
     thrusters: tuple[effectors.Thruster, ...] = option("Thrusters, in any order", default=())
     pectoral_fins: tuple[effectors.PectoralFin, ...] = option("Pectoral fins, in any order", default=())
     tether: effectors.Tether = option("The cable at the tail end", default_factory=effectors.Tether)
-    surface: Surface = option("Skin: smooth, with gaps at its joints, or in a loose skin", default="jointed")
+    surface: Surface = option("Surface: smooth, with gaps at the joints, or with a loose skin", default="jointed")
     nose: End = option("Shape of the body's head end", default="round")
     tail: End = option("Shape of the body's tail end", default="round")
-    electronics_power: float = quantity("W", "Drawn at rest besides its actuators' idle current", ge=0.0, default=0.0)
-    active_power: float | None = quantity("W", "What its electronics draw above that in swimming", ge=0.0, default=None)
+    electronics_power: float = quantity("W", "Power at rest, excluding the actuators' idle power", ge=0.0, default=0.0)
+    active_power: float | None = quantity("W", "Additional power of electronics while swimming", ge=0.0, default=None)
 
     def __post_init__(self) -> None:
         n = len(self.modules)
         if n == 0:
             raise BadArgument("modules", "must hold at least one Module, got none")
         if len(self.joints) != n - 1:
-            rule = f"must hold one Joint less than there are modules, {n - 1} for {n} modules"
+            rule = f"must hold one Joint fewer than there are modules, {n - 1} for {n} modules"
             raise BadArgument("joints", f"{rule}, got {len(self.joints)}")
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):

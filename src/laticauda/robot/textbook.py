@@ -167,7 +167,7 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
     high = _SKINNED * value if robot.surface == "skinned" else value + more
     names = "skin (ITTC-57 [1])", f"{robot.nose} nose and {robot.tail} tail [2, 3]", "gaps"
     shown = ", ".join(f"{name} {1e4 * area * one[0]:.3g}" for name, (area, one) in zip(names, parts, strict=True))
-    text = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {shown}; interval: judgement"
+    text = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {shown}; interval: judgment"
     return (value / reference, (value - less) / reference, high / reference), text
 
 

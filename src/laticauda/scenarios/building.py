@@ -81,7 +81,7 @@ def scenario(
     body = robots.load_robot(robot) if isinstance(robot, str | Path) else robot
     where = default_water(body, gait) if environment is None else environment_of(environment, body)
     if moving and not isinstance(where, robots.Water):
-        raise BadArgument("current", "must be given with a Water only, which can move")
+        raise BadArgument("current", "must be given only with a Water, which can move")
     return Scenario(
         robot=body,
         motion=motion,
@@ -199,7 +199,7 @@ class Choice:
     """
 
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity("", "Number of links instead, if the robot's are all alike", ge=1, default=None)
+    n_links: int | None = quantity("", "Another number of links, if all links are alike", ge=1, default=None)
     water: str | None = option("A preset, a TOML file or textbook; None: see `default_water`", default=None)
     ground: str | None = option("A preset or a TOML file: crawl on land instead", default=None)
     parameters: str | None = option(
@@ -210,18 +210,18 @@ class Choice:
     model: Literal["planar", "spatial"] = option("The closed form in the plane, or MuJoCo in space", default="planar")
     joints: str | None = option(
         "How the joints follow the gait: prescribed (exactly), pd (the published simulations' law), servo (the real "
-        "robot's), speed-servo (one that controls its speed) or a law of one's own; left out: prescribed",
+        "robot's), speed-servo (with speed control) or a law of your own; if omitted, the parameters' or prescribed",
         default=None,
     )
-    scene: str | None = option("Around it in space: pegs, slope, pipe, shore, tank, an MJCF file, ...", default=None)
+    scene: str | None = option("Surroundings in space, e.g. pegs, slope, pipe, shore, tank, MJCF file", default=None)
 
     def __post_init__(self) -> None:
         """Reject options that specify the same thing twice."""
         if self.parameters is not None and self.water is not None:
-            raise BadArgument("parameters", "must not be given with `water`: both say what the water is")
+            raise BadArgument("parameters", "must not be given with `water`: both define the water")
         for name in ("water", "parameters"):
             if self.ground is not None and getattr(self, name) is not None:
-                raise BadArgument(name, "must not be given with `ground`: it belongs to water")
+                raise BadArgument(name, "must not be given with `ground`: it applies to water only")
 
     def resolved(self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot) -> Chosen:
         """Resolve the names.
@@ -247,14 +247,14 @@ class Choice:
         self, robot: robots.Robot, gait: Gait, parameters: robots.Parameters | None
     ) -> tuple[robots.Environment, str]:
         if self.ground is not None:
-            return robots.load_ground(self.ground), "as asked for"
+            return robots.load_ground(self.ground), "as requested"
         if parameters is not None:
             return parameters.water(gait.kind), f"as {self.parameters} says"
         water = water_for(robot, self.water, gait)
         if water.name == robots.TEXTBOOK:
             return water, "from tables, for this robot's shape; nothing fitted"
-        otherwise = f"{ORIGINS['lateral_undulation']}, in want of others for this gait"
-        return water, ORIGINS.get(gait.kind, otherwise) if self.water is None else "as asked for"
+        otherwise = f"{ORIGINS['lateral_undulation']}, for lack of others for this gait"
+        return water, ORIGINS.get(gait.kind, otherwise) if self.water is None else "as requested"
 
 
 def named_after(changed: robots.Water, before: robots.Water) -> robots.Water:

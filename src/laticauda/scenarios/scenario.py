@@ -23,14 +23,14 @@ class _Model:
     """Common fields of both models."""
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
-    dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
+    dt: float | None = quantity("s", "Largest time step; a converged one if omitted", default=None, ge=1e-7, le=1e3)
     offset_bandwidth: float = quantity(
         "1/s", "Bandwidth of the gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER
     )
     loop_delay: float = quantity(
-        "s", "Time from what a controller sees to its command at the joints", default=0.0, ge=0.0
+        "s", "Delay from a controller's observation to its command at the joints", default=0.0, ge=0.0
     )
-    ramp: float | None = quantity("s", "Smooth start; left out: 1 s if prescribed, else 0", default=None, ge=0.0)
+    ramp: float | None = quantity("s", "Smooth start; if omitted, 1 s if prescribed, else 0", default=None, ge=0.0)
 
     def __post_init__(self) -> None:
         """Reject references that jump unless the joints can follow jumps."""
@@ -69,12 +69,12 @@ class Spatial(_Model):
     )
     scene: Scene | None = option(
         "What is around the robot: a scene, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`; open "
-        "water or flat ground if left out",
+        "water or flat ground if omitted",
         default=None,
         check=lambda _, given: Scene.of(given),
     )
 
-    rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
+    rays: tuple[float, ...] = quantity("rad", "Directions of the head's range sensors, positive left", default=())
 
 
 Model: TypeAlias = Planar | Spatial
@@ -117,14 +117,14 @@ class Scenario:
     """
 
     robot: Robot = option("What swims")
-    motion: Gait | Controller[Any] = option("What the joints are asked for: a gait, or a controller that steers one")
+    motion: Gait | Controller[Any] = option("Motion of the joints: a gait, or a controller that steers one")
     environment: Environment = option("The water it swims in or the ground it crawls on")
     model: Model = option("The model that computes the run", default=Planar())
-    start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
+    start: Start | Resumed = option("Start of the run: straight, or where another run ended", default=Start())
     duration: float = quantity("s", "Duration of the run", default=30.0, gt=0.0, le=1e6)
     sample_interval: float = quantity(
         "s",
-        "Between two samples of the log; adjusted so that it divides the control interval and the duration",
+        "Time between two samples of the log; adjusted so that it divides the control interval and the duration",
         default=0.05,
         gt=0.0,
     )
@@ -168,10 +168,10 @@ class Experiment:
     """
 
     robot: Robot = option("What swam")
-    gait: Gait | None = option("What the joints were asked for; None where no gait was", default=None)
-    environment: Environment = option("What it swam or crawled in")
-    model: Model | None = option("By which model it was simulated; None: it was not", default=None)
-    notes: Mapping[str, Any] = option("What else is known of it: texts and numbers", default_factory=dict[str, Any])
+    gait: Gait | None = option("Commanded gait; None if there was none", default=None)
+    environment: Environment = option("The water it swam in or the ground it crawled on")
+    model: Model | None = option("Model by which it was simulated; None: it was not", default=None)
+    notes: Mapping[str, Any] = option("What else is known about it: texts and numbers", default_factory=dict[str, Any])
 
     def __post_init__(self) -> None:
         """Check what the types do not express."""

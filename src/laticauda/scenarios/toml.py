@@ -84,7 +84,7 @@ def scenario_from_table(table: codec.Table, folder: Path | None = None) -> Scena
     table.setdefault("robot", chosen.robot)
     places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
     if len(places) > 1:
-        raise codec.BadKey(places[1], f"must not be given beside `{places[0]}`")
+        raise codec.BadKey(places[1], f"must not be given together with `{places[0]}`")
     where = {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
     if where is not None and "current" in where:
         where["current"] = robot.current_of(where["current"], folder)
@@ -228,7 +228,7 @@ def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
         BadKey: If neither is given, or it is wrong.
     """
     if ("gait" in table) == ("controller" in table):
-        raise codec.BadKey("gait", "must be given, or `controller`, and not both")
+        raise codec.BadKey("gait", "must be given, or `controller`, but not both")
     if "gait" in table:
         return codec.decode(gaits.Gait, table["gait"], "gait")
     with codec.keeping_unknown():
@@ -265,8 +265,8 @@ def _without_functions(table: Mapping[str, Any], at: str) -> codec.Table:
             found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
         elif callable(value) or isinstance(value, Grid):
             called = f"function {getattr(value, '__name__', value)}" if callable(value) else "Dataset in memory"
-            text = f"`{at}{name}` is a {called}, which cannot be stored, nor the run done again."
-            warnings.warn(f"{text} A law that is a class can, and a file.", stacklevel=2)
+            text = f"`{at}{name}` is a {called}, which cannot be stored, so the run cannot be repeated."
+            warnings.warn(f"{text} Use a law that is a class, or a file.", stacklevel=2)
             return {"kind": called}
         elif value is not None:
             found[name] = value

@@ -59,7 +59,7 @@ def spread(
     """
     scenario: Any = trial.scenario
     if not isinstance(scenario, scenarios.Scenario):
-        raise BadArgument("trial", "must be a simulated run, which can be run again at other coefficients")
+        raise BadArgument("trial", "must be a simulated run, which can be run again with other coefficients")
     ends, of = intervals_of(scenario) if intervals is None else intervals, figures or _figures
     runs = [[of(swim(changed(scenario, {name: end}), throw=True)) for end in pair] for name, pair in ends.items()]
     found: dict[str, Interval] = {}

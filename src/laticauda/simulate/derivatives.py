@@ -158,7 +158,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
     found = tuple(look_up(name, known, "names") for name in names)
     for parameter in found:
         if parameter.is_whole:
-            raise BadArgument("names", f"must be of numbers that may change a little, got `{parameter.name}`, a count")
+            raise BadArgument("names", f"must be of numbers that can vary slightly, got `{parameter.name}`, a count")
     return found
 
 
@@ -258,7 +258,7 @@ def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, fl
                     has_extras=any(entry.has_extras for entry in near.values()),
                 )
     reason = f": {refused}" if refused else ", but the number of fin strips depends on it there."
-    rule = "`parameters` must be numbers that may change a little"
+    rule = "`parameters` must be numbers that can vary slightly"
     raise ValueError(f"{rule}; `{number.name}` is {number.value:g}{reason}")
 
 

@@ -206,7 +206,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
             plants[key] = cast(PlanarPlant, plant(one))
         if (one.duration, one.sample_interval) != common:
             name = "duration" if one.duration != common[0] else "sample_interval"
-            raise BadArgument(name, f"must be the same in all scenarios, got {getattr(one, name):g} s too")
+            raise BadArgument(name, f"must be the same in all scenarios, also got {getattr(one, name):g} s")
         motion = instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
         command = motion.command if isinstance(motion, OpenLoop) else Command(gait=one.gait)
         start = cast(Start, instance(f"scenarios[{i}].start", one.start, Start))

@@ -133,7 +133,7 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
         return known[name]
     hint = near(name, known) if isinstance(name, str) else ""
     medium = "ground" if any(one.startswith("ground.") for one in known) else "water"
-    rule = f"must name numbers of gait, {medium} or robot, as `gait.amplitude`, got {name!r}{hint}"
+    rule = f"must name numbers of gait, {medium} or robot, such as `gait.amplitude`, got {name!r}{hint}"
     raise BadArgument(argument, rule)
 
 

@@ -38,8 +38,8 @@ def plant(
         raise BadArgument("scenario", f"must be that of a simulated run to be run again; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
         for one in scenarios.unknown_in(robot):
-            advice = "import the module that does, or install the package that brings it"
-            raise BadArgument("scenario", f"cannot be run here: nobody has defined its `{one.kind}`; {advice}")
+            advice = "import the module that defines it, or install its package"
+            raise BadArgument("scenario", f"cannot be run here: its `{one.kind}` is not defined; {advice}")
         return _plant(robot.robot, robot.environment, robot.model)
     body = load_robot(robot) if isinstance(robot, str | Path) else cast(Robot, instance("robot", robot, Robot))
     where = cast(Environment, instance("environment", scenarios.environment_of(environment, body), Water, Ground))

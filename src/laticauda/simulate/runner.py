@@ -242,7 +242,7 @@ def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resume
     """Return the delay after which commands take effect [s]."""
     delay = 0.0 if isinstance(controller, OpenLoop) else plant.settings.loop_delay
     if delay and isinstance(start, Resumed):
-        rule = "must be 0 to go on from the end of a trial, which does not keep the commands on their way"
+        rule = "must be 0 to continue from the end of a trial, which does not store delayed commands"
         raise BadArgument("loop_delay", f"{rule}, got {delay:g}")
     return delay
 
@@ -285,10 +285,10 @@ def resume(
     if isinstance(steered, Controller):
         _delay(plant, cast("Controller[Any]", steered), Resumed(state={}))
     if not trial.succeeded or not trial.state:
-        raise ValueError(f"`trial` must have run to its end and hold its final state; it says: {trial.status}")
+        raise ValueError(f"`trial` must have run to its end and hold its final state; its status: {trial.status}")
     if controller is None:
         if trial.gait is None:
-            raise BadArgument("controller", "must be given to go on with a trial that has no gait")
+            raise BadArgument("controller", "must be given to continue a trial that has no gait")
         controller = OpenLoop(command=Command(gait=trial.gait))
     return run(plant, controller, duration, start=Resumed(state=trial.state), **how)
 

@@ -104,7 +104,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
     for i, one in enumerate(scenarios):
         instance(f"scenarios[{i}].model", one.model, Spatial)
         if cast(Spatial, one.model).scene is None:
-            raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, as `open`")
+            raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, such as `open`")
     bodies = [cast(Any, plants.plant(one)) for one in scenarios]
     for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
         of_all = zip(scenarios, bodies, strict=True)

@@ -81,10 +81,10 @@ def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
     """
     files = [Path(file) for file in meshes]
     if files and len(files) != n_links:
-        raise BadArgument("meshes", f"must be one file per module, {n_links}, or none, got {len(files)}")
+        raise BadArgument("meshes", f"must be one file per module ({n_links}) or none, got {len(files)}")
     for file in files:
         if file.suffix.lower() not in SUFFIXES or not file.is_file():
-            raise BadArgument("meshes", f"must be files that exist and end in .stl or .obj, got {file}")
+            raise BadArgument("meshes", f"must be existing .stl or .obj files, got {file}")
     return files
 
 

@@ -41,13 +41,13 @@ SAND = (0.66, 0.60, 0.48, 1.0)
 class Pegs(Scene):
     """A field of upright pegs in rows along x, with a passage for a straight robot between the two middle rows."""
 
-    spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.5)
-    gap: float = quantity("m", "From row to row", gt=0.0, default=0.35)
-    stagger: float = quantity("m", "By how much every other row is shifted", default=0.0)
+    spacing: float = quantity("m", "Distance between pegs along a row", gt=0.0, default=0.5)
+    gap: float = quantity("m", "Distance between rows", gt=0.0, default=0.35)
+    stagger: float = quantity("m", "Shift of every other row", default=0.0)
     radius: float = quantity("m", "Radius of a peg", gt=0.0, default=0.04)
-    rows: int = quantity("", "How many there are, to both sides", ge=1, default=4)
-    field: tuple[float, float] = quantity("m", "From where to where along x they stand", default=(-2.0, 6.0))
-    slip: float = quantity("", "Friction of the pegs, as MuJoCo has it", ge=0.0, default=0.05)
+    rows: int = quantity("", "Number of rows, both sides together", ge=1, default=4)
+    field: tuple[float, float] = quantity("m", "Range along x in which they stand", default=(-2.0, 6.0))
+    slip: float = quantity("", "Friction coefficient of the pegs in MuJoCo", ge=0.0, default=0.05)
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -109,17 +109,17 @@ class Shore(Slope):
 class HeightField(Scene):
     """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
 
-    heights: tuple[tuple[float, ...], ...] | None = quantity("m", "One row per x, along y; None: waves", default=None)
+    heights: tuple[tuple[float, ...], ...] | None = quantity("m", "One row along y per x; None: waves", default=None)
     amplitude: float = quantity("m", "Amplitude of the waves", ge=0.0, default=0.03)
     wavelength: float = quantity("m", "Wavelength of the waves", gt=0.0, default=1.0)
-    extent: tuple[float, float] = quantity("m", "Along x and y; it ends in level ground", gt=0.0, default=(12.0, 6.0))
+    extent: tuple[float, float] = quantity("m", "Size along x and y; level ground beyond", gt=0.0, default=(12.0, 6.0))
     middle: tuple[float, float] = quantity("m", "x and y of its middle", default=(3.0, 0.0))
 
     def __post_init__(self) -> None:
         """Reject heights that do not form a grid."""
         rows = self.heights or ((0.0, 0.0),) * 2
         if len(rows) < 2 or len({len(row) for row in rows} - {0, 1}) != 1:
-            raise BadArgument("heights", "must have two rows of two numbers at least, all of the same length")
+            raise BadArgument("heights", "must have at least two rows of at least two numbers, all of the same length")
 
     @property
     def terrain(self) -> Terrain:
@@ -190,7 +190,7 @@ class Tank(Scene):
 class Mjcf(Scene):
     """Contents of an MJCF file: its bodies with their joints and assets; its options are ignored."""
 
-    file: str = option("The file (.xml), which has to be there whenever the scenario runs")
+    file: str = option("The file (.xml), which must exist whenever the scenario runs")
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -206,7 +206,7 @@ class Edited(Scene):
     def check(self, environment: Environment) -> None:
         """See `Scene`."""
         if not callable(self.edit):
-            raise BadArgument("scene", "must be given anew: a file keeps no more of a function than its name")
+            raise BadArgument("scene", "must be given again: a file stores only the name of a function")
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -257,7 +257,7 @@ def blamed() -> Generator[None]:
         yield
     except ValueError as error:
         said = " ".join(str(error).removeprefix("Error: ").split())
-        raise BadArgument("scene", f"must be one that MuJoCo can compile beside the robot; it says: {said}") from error
+        raise BadArgument("scene", f"must compile in MuJoCo together with the robot; MuJoCo says: {said}") from error
 
 
 def check_free(model: Any, data: Any, robots: Collection[int]) -> None:

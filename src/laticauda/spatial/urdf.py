@@ -33,7 +33,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
         ValueError: If there are meshes, but not one per module.
     """
     if meshes and len(meshes) != robot.n_links:
-        raise BadArgument("meshes", f"must be one file per module, {robot.n_links}, or none, got {len(meshes)}")
+        raise BadArgument("meshes", f"must be one file per module ({robot.n_links}) or none, got {len(meshes)}")
     root = ET.Element("robot", name=robot.name)
     _add(_add(root, "mujoco"), "compiler", **MUJOCO)
     for name in SHOWN:

@@ -79,7 +79,7 @@ def contact(mass: float, ground: Ground) -> Contact:
     weight = mass * ground.gravity
     law = ground.friction
     if not isinstance(law, CoulombFriction | ViscousFriction):
-        raise BadArgument("friction", f"must be coulomb or viscous where a robot lies with its weight, got {law.words}")
+        raise BadArgument("friction", f"must be coulomb or viscous if the robot's weight rests on it, got {law.words}")
     dry = law.of_weight
     return Contact(
         stiffness=0.5 * weight / SINK,

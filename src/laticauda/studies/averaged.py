@@ -43,7 +43,7 @@ def averaged_model(
     whole("n_trials", n_trials, 3)
     low, high = frequency_limits or ((1.0 - AROUND) * gait.frequency, (1.0 + AROUND) * gait.frequency)
     if not 0.0 < low < high:
-        raise BadArgument("frequency_limits", f"must be 0 < least < greatest in rad/s, got {low:g} and {high:g}")
+        raise BadArgument("frequency_limits", f"must be 0 < smallest < largest in rad/s, got {low:g} and {high:g}")
     frequencies = [low + (high - low) * k / (n_trials - 1) for k in range(n_trials)]
     turns = [control.OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
     water, trials = plant.environment, list[lc.Trial]()

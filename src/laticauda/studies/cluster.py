@@ -30,7 +30,7 @@ FETCHING = 20.0  # timeout for a result of some hundred kilobytes [s]
 GLANCE = 2.0  # interval between checks of the cluster's health [s]
 CONNECTING = 10.0  # timeout [s]
 MOST_DEATHS = 3  # of a region's workers, in rounds of the scheduler's own attempts
-GO_ON = "What was stored is not lost: run the same again to go on."
+GO_ON = "Stored results are not lost: run the same again to continue."
 
 
 def connect(address: str) -> Any:
@@ -50,7 +50,7 @@ def connect(address: str) -> Any:
         socket.create_connection(host, timeout=CONNECTING).close()
         return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
-        raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and can it be reached?") from error
+        raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and is it reachable?") from error
 
 
 @contextmanager
@@ -125,7 +125,7 @@ def swim_on(
                 index, table, deaths = under_way.pop(future)
                 if deaths + 1 >= MOST_DEATHS:
                     raise ClusterFailed(
-                        f"workers die again and again over the same trials; have they enough memory? {GO_ON}"
+                        f"workers keep dying on the same trials; do they have enough memory? {GO_ON}"
                     ) from error
                 submit(index, table, deaths + 1)
             else:
@@ -157,7 +157,7 @@ def _counted(client: Any) -> Iterator[int]:
 def _swim(version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
     """Simulate points on a worker, with one thread per task: a worker runs as many tasks as it has threads."""
     if version != __version__:
-        raise ClusterFailed(f"the workers must have laticauda {version} as this process has, got {__version__}.")
+        raise ClusterFailed(f"the workers must have laticauda {version}, as this process does, got {__version__}.")
     return swim_points(scenario, names, table, threads=1)
 
 

@@ -50,8 +50,8 @@ def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[
     if stored.get("format") != FORMAT:
         raise BadArgument(
             "folder",
-            f"must be empty, or hold this {job}, got {path} with one that another release of laticauda began: "
-            "take another folder, or go on with that release; the results of a sweep can still be read",
+            f"must be empty, or hold this {job}, got {path} with one started by another release of laticauda: "
+            "use another folder, or continue with that release; the results of a sweep can still be read",
         )
     found = list(_differences(stored, wanted))
     if found:
@@ -86,7 +86,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
         try:
             held.enter_context(locked(path, wait=False))
         except BlockingIOError as error:
-            raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
+            raise BadArgument("folder", f"must be one that no other process is writing to, got {path}") from error
         # Zarr files have another name until they are complete.
         for left in (*path.glob(_UNFINISHED), *path.rglob("*.partial")):
             left.unlink(missing_ok=True)
@@ -110,9 +110,9 @@ def storage(path: Path, kept: str) -> Generator[None]:
         error = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
         full = is_full(error)
         reason = "the disk is full" if full else (error.strerror or str(error)).lower()
-        advice = "make room" if full else "put that right"
+        advice = "free some space" if full else "fix that"
         raise StorageFailed(
-            f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to go on."
+            f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to continue."
         ) from error
 
 

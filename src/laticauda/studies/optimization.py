@@ -38,7 +38,7 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
     for one in wanted:
         one_of(name, one, OBJECTIVES)
     if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
-        raise BadArgument(name, f"must be one, or two that differ, got {', '.join(wanted) or 'none'}")
+        raise BadArgument(name, f"must be one, or two different ones, got {', '.join(wanted) or 'none'}")
     return wanted
 
 
@@ -46,11 +46,11 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
 class Limits:
     """Limits that a point must respect, besides those of the joints, to be feasible."""
 
-    joint_rate_limit: float | None = quantity("rad/s", "Most that a gait may ask of a joint", gt=0.0, default=None)
+    joint_rate_limit: float | None = quantity("rad/s", "Largest joint rate a gait may demand", gt=0.0, default=None)
     least_velocity: float | None = quantity(
-        "m/s", "Smallest velocity that will do; without it, the cheapest gait hardly moves", gt=0.0, default=None
+        "m/s", "Smallest acceptable velocity; without it, the cheapest gait hardly moves", gt=0.0, default=None
     )
-    beyond_actuators: bool = option("Allow what asks too much of actuators, or whose links overlap", default=False)
+    beyond_actuators: bool = option("Allow gaits that overload actuators, or whose links overlap", default=False)
 
 
 @value
@@ -75,9 +75,9 @@ class Optimization(Limits):
         ('forward_velocity', 'mechanical_power')
     """
 
-    scenario: lc.Scenario = option("What all trials share; by the planar model")
+    scenario: lc.Scenario = option("Scenario shared by all trials; of the planar model")
     bounds: Mapping[str, tuple[float, float]] = option(
-        "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
+        "Smallest and largest value by name of parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
     )
     objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
 

@@ -72,7 +72,7 @@ class Checkpoint:
             for one, mine in zip(tried.values(), self.tried.values(), strict=True)
         )
         if not of_kind or len({len(column) for column in tried.values()}) > 1:
-            raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
+            raise BadArgument("folder", f"must hold an intact `{CHECKPOINT}`, got {self.folder}")
         self.tried = tried
 
     def add(self, fresh: Columns) -> None:
@@ -238,8 +238,8 @@ def _search(
         if not np.array_equal(known[POINTS], generation[:n_known]):
             raise BadArgument(
                 "folder",
-                f"must hold a `{CHECKPOINT}` that this computer can repeat, got {memory.folder}, where the "
-                f"search went another way after {n_done} trials; it may be from another kind of computer",
+                f"must hold a `{CHECKPOINT}` that this computer can reproduce, got {memory.folder}, from "
+                f"which the search differs after {n_done} trials; it may be from another kind of computer",
             )
         new = generation[n_known:n_points]
         if len(new):

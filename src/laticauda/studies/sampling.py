@@ -105,7 +105,7 @@ class Rows(_Values):
         lengths = {name: len(values) for name, values in self.values.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-            raise BadArgument("values", f"must have as many values of one parameter as of another, got {listed}")
+            raise BadArgument("values", f"must have equally many values of every parameter, got {listed}")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -172,8 +172,8 @@ class Samples:
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
     """The only dimension of the result."""
-    ranges: Mapping[str, tuple[float, float]] = option("Least and greatest value by name (SI)", check=checked_ranges)
-    n_points: int = quantity("", "How many points", ge=1)
+    ranges: Mapping[str, tuple[float, float]] = option("Smallest and largest value by name (SI)", check=checked_ranges)
+    n_points: int = quantity("", "Number of points", ge=1)
     seed: int = quantity("", "Seed of the scrambling; another one gives other points", ge=0, default=0)
 
     @property

@@ -141,7 +141,7 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
         for name in _parameters(path):
             if name not in dataset.coords:
-                raise BadArgument(name, "is missing, or no coordinate any more")
+                raise BadArgument(name, "is missing, or no longer a coordinate")
     for one in dataset.coords.values():
         one.encoding["_FillValue"] = None  # for a netCDF file of it: no coordinate value is missing
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
@@ -186,7 +186,7 @@ def _done(path: Path, regions: Regions) -> np.ndarray:
     """Return whether each region is stored, according to the marks."""
     done = np.array(bytearray((path / DONE).read_bytes()), dtype=bool)
     if done.size != regions.count:
-        raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
+        raise BadArgument("folder", f"must hold intact files, got a `{DONE}` of {done.size} bytes in {path}")
     return done
 
 

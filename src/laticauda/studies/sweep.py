@@ -113,7 +113,7 @@ def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             reason = str(error).replace("`", "")  # these are no arguments of the caller
-            rule = f"must be within the bounds of what is swept, got {listed}: {reason.removesuffix('.')}"
+            rule = f"must be within the bounds of the parameters, got {listed}: {reason.removesuffix('.')}"
             raise BadArgument(argument, rule) from error
 
 
@@ -190,8 +190,8 @@ class Sweep:
         6
     """
 
-    scenario: lc.Scenario = option("What all trials share; by the planar model")
-    points: sampling.Points = option("Which points: `Grid`, `Rows` or `Samples`")
+    scenario: lc.Scenario = option("Scenario shared by all trials; of the planar model")
+    points: sampling.Points = option("Points of the sweep: `Grid`, `Rows` or `Samples`")
 
     def __post_init__(self) -> None:
         """Check the fields against each other."""

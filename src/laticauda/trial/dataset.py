@@ -174,11 +174,11 @@ def check_format(attributes: Mapping[str, Any]) -> None:
         ValueError: If they are not those of a trial that this version can read.
     """
     if MARK not in attributes:
-        raise ValueError("it is no trial of laticauda.")
+        raise ValueError("it is not a trial of laticauda.")
     if attributes[MARK] != FORMAT:
         raise ValueError(
-            f"it has format {attributes[MARK]}, and this version of laticauda reads format {FORMAT}: read it with the "
-            f"one that wrote it, {attributes.get('version')} of {str(attributes.get('created'))[:10]}."
+            f"it has format {attributes[MARK]}, but this version of laticauda reads format {FORMAT}: read it with "
+            f"the one that wrote it, {attributes.get('version')} of {str(attributes.get('created'))[:10]}."
         )
 
 

@@ -88,7 +88,7 @@ def marker_distance(
     known = (time >= fitted[0]) & (time <= fitted[1])
     known = known[:, np.newaxis] & np.isfinite(seen).all(axis=-1)
     if not known.any():
-        raise BadArgument("fitted", f"must be a span with markers that were seen, got {fitted}")
+        raise BadArgument("fitted", f"must be a span in which markers were seen, got {fitted}")
     a, b = here[known] @ (1.0, 1.0j), seen[known] @ (1.0, 1.0j)
     turn = np.exp(1j * np.angle(((b - b.mean()) * (a - a.mean()).conj()).sum()))
     gap = np.abs((here @ (1.0, 1.0j) - a.mean()) * turn + b.mean() - seen @ (1.0, 1.0j))

@@ -111,17 +111,17 @@ class SpeedTrial:
     """A row of a table of speeds."""
 
     gait: Literal["LU", "EEL"] = option("Kind of the gait")
-    config: Literal["nofin", "fin"] | None = option("With caudal fin or without; left out: as the robot", default=None)
+    config: Literal["nofin", "fin"] | None = option("With or without caudal fin; as the robot if omitted", default=None)
     alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
     omega_deg_s: float = quantity("deg/s", "Frequency", gt=0.0)
     delta_deg: float = quantity("deg", "Phase shift")
     v_m_s: float | None = quantity("m/s", "Forward velocity; empty: not available", gt=0.0, default=None)
     P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
-    robot: str | None = option("What swam, a preset or a TOML file", default=None)
+    robot: str | None = option("Robot that swam, a preset or a TOML file", default=None)
     duration_s: float = quantity("s", "Duration of the trial, from rest", gt=0.0, default=30.0)
     v_sigma_m_s: float | None = quantity("m/s", "Standard deviation of the speed's noise", gt=0.0, default=None)
-    P_sigma_W: float | None = quantity("W", "The same of the power", gt=0.0, default=None)
-    selected_from: int = quantity("", "Of how many settings about as good it is the best", ge=1, default=1)
+    P_sigma_W: float | None = quantity("W", "The same for the power", gt=0.0, default=None)
+    selected_from: int = quantity("", "Number of about equally good settings of which it is the best", ge=1, default=1)
 
     def __post_init__(self) -> None:
         """Reject values that do not form a valid gait."""
@@ -170,11 +170,11 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
         except ValueError as error:
             raise TrialFileError(f"{path}: row {number}: {error}") from None
     if not found:
-        raise TrialFileError(f"{path}: it has no trials.")
+        raise TrialFileError(f"{path}: the table has no rows.")
     for name in ("alpha_deg", "delta_deg"):
         most = max(abs(getattr(one, name)) for one in found)
         if 0.0 < most < _RADIANS:
-            raise TrialFileError(f"{path}: column `{name}` goes to {most:g}, which can hardly be deg; is it in rad?")
+            raise TrialFileError(f"{path}: column `{name}` only reaches {most:g}, too little for deg; is it in rad?")
     return tuple(found)
 
 

@@ -213,8 +213,8 @@ def electrical_power(trial: Contents) -> float:
     """Compute the mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
     if trial.electrical_work is None:
         raise ValueError(
-            "Nothing says what the motors draw: give --joints servo (in Python joints='servo'), or a robot with an "
-            "`active_power`; a robot that is operated takes a power meter."
+            "The power of the motors is unknown: give --joints servo (in Python joints='servo'), or a robot with an "
+            "`active_power`; a robot that is operated needs a power meter."
         )
     return mean_power(trial.time, trial.electrical_work)
 
@@ -266,7 +266,7 @@ def sideslip(trial: Contents) -> float:
     pointed = heading_mean(trial).value
     if not np.any(inside):
         rule = "must hold the middle of a whole gait cycle after the transient for a sideslip"
-        raise BadArgument("time", f"{rule}: make it one sample longer than {time[-1] - time[0]:.4g} s at least")
+        raise BadArgument("time", f"{rule}: make it at least one sample longer than {time[-1] - time[0]:.4g} s")
     angle = (traveled - pointed)[inside]
     # Average directions, not numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))

@@ -128,7 +128,7 @@ def _check_belong(first: Trial, second: Trial) -> None:
         if getattr(first, name) != getattr(second, name):
             raise BadArgument("second", f"must have the same `{name}` as `first`")
     if _logged(first) != _logged(second):
-        raise BadArgument("second", "must log the same as `first`: electrical work, link forces, signals, or not")
+        raise BadArgument("second", "must log the same as `first`, including electrical work, link forces and signals")
     for name in _CONTINUED:
         gap = np.max(np.abs(getattr(second, name)[0] - getattr(first, name)[-1]), initial=0.0)
         if gap > _TOLERANCE:

@@ -51,7 +51,7 @@ class Figure:
         with np.errstate(all="ignore"):
             found = float(self._of(trial))
         if not np.isfinite(found):
-            raise BadArgument(self.name, f"must be a finite number, and this run's samples make it {found}")
+            raise BadArgument(self.name, f"must be a finite number, but this run's samples give {found}")
         vars(trial)[self.name] = found  # from now on, access finds it there
         return found
 

@@ -340,8 +340,8 @@ def test_the_state_of_another_robot_is_refused(make, slave):
         ("water.density", 0.0, "`water.density` must be >= 1e-09, got 0."),
         ("gait.amplitude", math.nan, "`gait.amplitude` must be a finite number, got nan."),
         ("current.x", 1000.0, "`current.x` must be <= 100, got 1000."),
-        ("heading", 1.0, "`heading` must not be set: it is no input and no parameter."),
-        ("time", 1.0, "`time` must not be set: it is no input and no parameter."),
+        ("heading", 1.0, "`heading` must not be set: it is neither an input nor a parameter."),
+        ("time", 1.0, "`time` must not be set: it is neither an input nor a parameter."),
     ],
 )
 def test_a_wrong_value_is_an_error_with_a_message_and_changes_nothing(make, slave, name, value, message):
@@ -400,7 +400,7 @@ def test_a_motion_that_diverges_is_an_error_and_the_numbers_stay_those_before_it
     assert np.all(np.isfinite(one.get(*one.number)))
     with pytest.raises(Exception, match="status 3"):
         one.steps([0.05], time=float(one.get("time")[0]))
-    assert one.messages[1] == "A step is not possible any more: the motion diverged. Reset the instance first."
+    assert one.messages[1] == "A step is no longer possible: the motion diverged. Reset the instance first."
     one.fmu.reset()
     one.begin().steps([0.05] * 20)
 

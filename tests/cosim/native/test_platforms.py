@@ -128,7 +128,7 @@ def test_a_browser_needs_nothing_but_the_module_and_swims_as_python_does(tmp_pat
 
 def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
     monkeypatch.setattr(platforms, "machine", lambda: "riscv64")
-    with pytest.raises(ValueError, match=r"`platform` must be chosen on \w+ on riscv64, which is none of them"):
+    with pytest.raises(ValueError, match=r"`platform` must be given on \w+ on riscv64, which is none of them"):
         platform_of()
     assert platform_of("win64").pair == "x86_64-windows"
     assert [one.name for one in platforms.platforms_of(("darwin", "linux64"))] == [

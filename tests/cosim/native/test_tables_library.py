@@ -126,7 +126,7 @@ def test_the_header_names_every_variable_with_its_unit_and_range():
     counts = [int(count or 1) for count in members]
     assert sum(counts) == len(tables.variables)
     for line in (
-        "double references[8]; /* input, rad, -100000 to 100000. Angle that joint i is asked for, held during a "
+        "double references[8]; /* input, rad, -100000 to 100000. Reference angle of joint i, held during a "
         "communication step. */",
         "double water_density; /* parameter, kg/m3, 1e-09 to inf. Density of the water. */",
         "double link_angle[9]; /* output, rad. Angle of link i. */",

@@ -157,7 +157,7 @@ def test_a_robot_whose_fins_module_is_silent_is_not_operated(tmp_path):
     run = run_of(Operator(operation=operation(robot=str(tmp_path / "driven.toml"))))
     run.rig.dead = {8}
     run.until("done")
-    assert "Module 9 is not heard" in run.state.failure
+    assert "Module 9 does not respond" in run.state.failure
 
 
 def test_without_a_pitch_wave_pitch_joints_are_held_at_zero():
@@ -234,12 +234,12 @@ def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():
 @pytest.mark.parametrize(
     ("rig", "message"),
     [
-        ({"dead": {4}}, r"Module 5 is not heard on udp_multicast:.*check power, cable and node"),
-        ({"hears": False}, r"No module is heard"),
+        ({"dead": {4}}, r"Module 5 does not respond on udp_multicast:.*check power, cable and node"),
+        ({"hears": False}, r"No module responds"),
         ({"sees": False}, r"The motion capture at 127\.0\.0\.1:22223 does not see a body"),
-        ({"measures": False}, r"The power meter at there says nothing: check that it is on and connected"),
+        ({"measures": False}, r"The power meter at there is silent: check that it is on and connected"),
         ({"leak": {2}}, r"Module 3 reports water inside: take the robot out"),
-        ({"temperature": 80.0}, r"Module 1 has 80 degC, allowed: 70; let it cool"),
+        ({"temperature": 80.0}, r"Module 1 is at 80 degC, limit 70: let it cool"),
     ],
 )
 def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message):

@@ -49,9 +49,9 @@ def test_a_closed_contact_is_no_reason_and_one_that_opens_however_shortly_is(lin
 def test_a_line_that_is_lost_is_a_reason_and_stays_one(line):
     with SerialLine("/dev/ttyUSB1", Clock()) as driver:
         line[0].close()
-        assert waited(driver, bool)[0].startswith("the line is lost: ")
+        assert waited(driver, bool)[0].startswith("the input cannot be read: ")
         time.sleep(StopInput.OLDEST)
-        assert waited(driver, bool)[0].startswith(("it was read", "the line is lost"))
+        assert waited(driver, bool)[0].startswith(("it was last read", "the input cannot be read"))
 
 
 def test_a_port_without_modem_lines_or_none_at_all_is_refused():

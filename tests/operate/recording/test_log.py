@@ -116,7 +116,7 @@ def test_a_learner_that_fails_ends_no_recording_and_is_said_there_too(tmp_path: 
             sink.keep(sample.time, (sample, READING))
         assert sink.trouble == ""
         (said,) = sink.news
-    assert (said.kind, said.message) == ("changed", "Nothing is learnt any more: a slip")
+    assert (said.kind, said.message) == ("changed", "Learning has stopped: a slip")
     found = read_operation(tmp_path / "a.mcap").entries
     kinds = [type(entry).__name__ for entry in found]
     assert kinds == ["ReferenceSample", "Event", "PowerReading", *["ReferenceSample", "PowerReading"] * 2]
@@ -145,7 +145,7 @@ def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing
         ({"supply_voltage": None}, r"Cannot load .*a\.mcap: it has no `supply_voltage`\."),
         ({"supply_voltage": "[1"}, r"Cannot load .*a\.mcap: Expecting ',' delimiter"),
         ({"supply_voltage": "-3.0"}, r"Cannot load .*a\.mcap: .*`supply_voltage` must be > 0 V, got -3"),
-        ({"format": "5"}, r"it has format 5, and this version of laticauda reads 4: read it with the laticauda that"),
+        ({"format": "5"}, r"it has format 5, and this version of laticauda reads 4: read it with laticauda"),
     ],
 )
 def test_a_header_with_something_wrong_in_it_is_refused_in_one_sentence(tmp_path: Path, change, says):
@@ -172,7 +172,7 @@ class Wrong(Plain):
 
 
 def test_a_controller_that_is_no_value_cannot_be_recorded():
-    with pytest.raises(ValueError, match=r"`controller` must be a value, got Plain\."):
+    with pytest.raises(ValueError, match=r"`controller` must be a dataclass, got Plain\."):
         replace(HEADER, controller=Plain())
 
 

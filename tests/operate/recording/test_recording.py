@@ -90,11 +90,11 @@ def test_what_is_no_operation_is_refused_in_one_sentence(tmp_path):
     other = tmp_path / "other.mcap"
     with lc.logs.Recorder(other) as recorder:
         recorder.scalar("/a", 0.0, 1.0)
-    with pytest.raises(TrialFileError, match="it is no recording of an operation, or its beginning is missing"):
+    with pytest.raises(TrialFileError, match="it is not a recording of an operation, or its beginning is missing"):
         read_operation(other)
     rubbish = tmp_path / "rubbish.mcap"
     rubbish.write_bytes(b"nothing of the kind" * 20)
-    with pytest.raises(TrialFileError, match="it is no MCAP file"):
+    with pytest.raises(TrialFileError, match="it is not an MCAP file"):
         read_operation(rubbish)
     with pytest.raises(TrialFileError, match="no such file"):
         read_operation(tmp_path / "none.mcap")
@@ -105,7 +105,7 @@ def test_a_file_that_ends_in_the_middle_has_all_that_came_before(file, tmp_path,
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(file.read_bytes()[: int(share * file.stat().st_size)])
     whole, part = read_operation(file), read_operation(cut)
-    assert "cut.mcap is not whole" in part.lost
+    assert "cut.mcap is not intact" in part.lost
     assert len(part.entries) < len(whole.entries)
     times = [entry.time for entry in part.of(Estimate)]
     assert times == [entry.time for entry in whole.of(Estimate)][: len(times)]
@@ -142,7 +142,7 @@ def test_a_program_that_is_killed_loses_no_more_than_the_open_chunk(tmp_path):
         assert process.wait(30) == -signal.SIGKILL
         process.stdin.close()
     log = read_operation(path)
-    assert "is not whole" in log.lost
+    assert "is not intact" in log.lost
     currents = [reading.current for reading in log.of(PowerReading)]
     assert currents == [float(k) for k in range(1, len(currents) + 1)]
     assert 300 - len(currents) <= 51  # half a second of them

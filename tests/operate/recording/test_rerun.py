@@ -73,7 +73,7 @@ def test_the_power_is_that_of_the_recordings_own_supply(recorded):
     assert trial_of(at_24).electrical_power == pytest.approx(24.0 * (DRAWN - IDLE))
     assert trial_of(at_24).settings["supply_voltage"] == 24.0
     unsaid = replace(log, header=replace(log.header, supply_voltage=None))
-    with pytest.raises(TrialFileError, match="it holds power readings, and no `supply_voltage`"):
+    with pytest.raises(TrialFileError, match="it holds power readings, but no `supply_voltage`"):
         trial_of(unsaid)
 
 
@@ -144,7 +144,7 @@ def test_torques_that_nobody_measured_are_not_made_up(tmp_path):
 
 def test_a_recording_without_a_run_is_refused(recorded):
     _, log, _ = recorded
-    with pytest.raises(TrialFileError, match=r"Cannot replay .*: it holds no run of at least two estimates\."):
+    with pytest.raises(TrialFileError, match=r"Cannot replay .*: it holds no run with at least two estimates\."):
         trial_of(replace(log, entries=()))
     bare = replace(log, header=replace(log.header, estimator=None, controller=None))
     with pytest.raises(ValueError, match="`estimator` must be given: the recording holds none, got None"):
@@ -169,12 +169,12 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
     again = rerun_estimator(log, plant=lc.plant)
     assert len(again) > 200
     assert all(np.array_equal(numbers(one), numbers(two)) for one, two in zip(log.of(Estimate), again, strict=True))
-    with pytest.raises(ValueError, match=r"`plant` must be `laticauda\.plant`, which makes the recorded twin again"):
+    with pytest.raises(ValueError, match=r"`plant` must be `laticauda\.plant`, which rebuilds the recorded twin"):
         rerun_estimator(log)
 
 
 def test_a_recording_of_the_first_format_is_refused_with_what_to_do():
-    with pytest.raises(ValueError, match=r"it has format 1, and this version of laticauda reads 4: read it with the"):
+    with pytest.raises(ValueError, match=r"it has format 1, and this version of laticauda reads 4: read it with"):
         read_operation(ROOT / "tests" / "data" / "recordings-0.1.0" / "twin.mcap")
 
 
@@ -189,5 +189,5 @@ def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
     twin = lc.plant(TWIN.robot, water, joints="servo")
-    with pytest.raises(ValueError, match="`plant` must have a law that is a class, and no scene, to be recorded"):
+    with pytest.raises(ValueError, match="`plant` must have a fluid law that is a class, and no scene, to be recorded"):
         Header(run=Experiment(robot=TWIN.robot, environment=water), estimator=Estimator(robot=TWIN.robot, plant=twin))

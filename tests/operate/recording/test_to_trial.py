@@ -152,17 +152,17 @@ def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each
     assert [one.time for one in run_of(ended)] == [0.1, 0.2]
     assert [one.time for one in run_of(ended, [found[1], found[1], found[2], found[1]])] == [0.1, 0.2]
     cut = replace(log_of(FINNED, found[0]), lost="The file is not whole.")
-    with pytest.raises(lc.errors.TrialFileError, match=r"no run of at least two estimates\. The file is not whole\."):
+    with pytest.raises(lc.errors.TrialFileError, match=r"no run with at least two estimates\. The file is not whole\."):
         run_of(cut)
 
 
 def test_a_run_that_was_rejected_says_why_and_one_without_an_end_has_none():
     found = estimates(FINNED)
-    verdict = Event(time=9.0, kind="verdict", message="The run is not right: a joint.", data={"accepted": False})
+    verdict = Event(time=9.0, kind="verdict", message="The run failed a check: a joint.", data={"accepted": False})
     stop = Event(time=0.3, kind="stop", message="The end of the tank.", data={"succeeded": True})
     for entries, succeeded, status in (
         ((stop,), True, "The end of the tank."),
-        ((stop, verdict), False, "The run is not right: a joint."),
+        ((stop, verdict), False, "The run failed a check: a joint."),
         ((stop, replace(verdict, data={"accepted": True})), True, "The end of the tank."),
         ((replace(stop, data={"succeeded": False}),), False, "The end of the tank."),
         ((replace(stop, data={}),), True, "The end of the tank."),

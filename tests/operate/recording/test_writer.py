@@ -84,7 +84,7 @@ def test_a_disk_that_stalls_does_not_hold_the_loop_up(tmp_path: Path, monkeypatc
         os.kill(writer._process.pid, signal.SIGSTOP)
         for k in range(2000):
             writer.keep(0.01 * k, (event,))
-        assert writer.trouble == "the disk does not keep up with the recording"
+        assert writer.trouble == "the disk cannot keep up with the recording"
         os.kill(writer._process.pid, signal.SIGCONT)
     assert len(read_operation(tmp_path / "a.mcap").of(Event)) > 900
 

@@ -155,7 +155,7 @@ SOUND = Heartbeat(node=1, state=NodeState.READY, temperature=30.0, voltage=35.0)
 @pytest.mark.parametrize(
     ("beat", "says"),
     [
-        (None, ["module 2 is not heard: check its power and its place on the bus"]),
+        (None, ["module 2 does not respond: check its power and its bus connection"]),
         (replace(SOUND, leak=True), ["module 2 reports water inside: take the robot out and dry it"]),
         (replace(SOUND, state=NodeState.FAULT), ["module 2 is in its fault state (no flag)"]),
         (
@@ -163,14 +163,14 @@ SOUND = Heartbeat(node=1, state=NodeState.READY, temperature=30.0, voltage=35.0)
             ["module 2 is in its fault state (over current, emergency stopped)"],
         ),
         (replace(SOUND, temperature=60.0), []),
-        (replace(SOUND, temperature=60.1), ["module 2 has 60 degC, allowed: 60; let it cool"]),
+        (replace(SOUND, temperature=60.1), ["module 2 is at 60 degC, limit 60: let it cool"]),
         (replace(SOUND, voltage=28.0), []),
-        (replace(SOUND, voltage=27.9), ["module 2 has 27.9 V, needed are 28.0: check the supply"]),
+        (replace(SOUND, voltage=27.9), ["module 2 has 27.9 V, but needs 28.0: check the supply"]),
         (
             replace(SOUND, leak=True, voltage=1.0),
             [
                 "module 2 reports water inside: take the robot out and dry it",
-                "module 2 has 1.0 V, needed are 28.0: check the supply",
+                "module 2 has 1.0 V, but needs 28.0: check the supply",
             ],
         ),
     ],
@@ -197,10 +197,10 @@ def test_a_robot_that_is_well_and_in_time_breaks_no_limit():
     ("event", "field", "edge", "beyond", "says"),
     [
         ("late_loop", "lateness", LIMITS.max_lateness, 0.25, "a tick came 0.250 s late"),
-        ("lost_mocap", "mocap_age", LIMITS.mocap_timeout, 2.0, "the robot was seen 2.0 s ago"),
-        ("edge", "room", LIMITS.edge_margin, 0.125, "0.12 m are left to the edge"),
-        ("edge", "room", LIMITS.edge_margin, -3.0, "0.00 m are left to the edge"),
-        ("lost_meter", "meter_age", LIMITS.meter_timeout, 4.0, "the meter was read 4.0 s ago"),
+        ("lost_mocap", "mocap_age", LIMITS.mocap_timeout, 2.0, "the robot was last seen 2.0 s ago"),
+        ("edge", "room", LIMITS.edge_margin, 0.125, "0.12 m left to the edge"),
+        ("edge", "room", LIMITS.edge_margin, -3.0, "0.00 m left to the edge"),
+        ("lost_meter", "meter_age", LIMITS.meter_timeout, 4.0, "the meter was last read 4.0 s ago"),
     ],
 )
 def test_at_its_limit_nothing_is_wrong_and_beyond_it_one_event_is(event, field, edge, beyond, says):

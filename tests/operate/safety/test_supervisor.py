@@ -235,7 +235,7 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
 
 def test_an_event_that_is_not_in_the_table_is_refused():
     with pytest.raises(
-        ValueError, match=r"`events` must hold events of the table only, got 'leek'; did you mean `leak`"
+        ValueError, match=r"`events` must hold only events of the table, got 'leek'; did you mean `leak`"
     ):
         step(supervisor.init(), 0.0, "leek")
     with pytest.raises(ValueError, match=r"`straighten_time` must be > 0 s, got 0"):

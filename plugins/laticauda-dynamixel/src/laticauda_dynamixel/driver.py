@@ -83,7 +83,7 @@ class Dynamixel(Bus):
         try:
             self._port: Any = hardware("pyserial", "serial").Serial(port, baud_rate, timeout=0.001, write_timeout=1.0)
         except (OSError, ValueError) as error:
-            raise DeviceFailed(f"The servos' line {address} cannot be opened: {error}.") from error
+            raise DeviceFailed(f"The servos' port {address} cannot be opened: {error}.") from error
         try:
             self._servos = self._found_servos()
             self._write(BROADCAST, Register.TORQUE_ENABLE, b"\0")
@@ -111,13 +111,13 @@ class Dynamixel(Bus):
         numbers = sorted(answers)
         if not numbers:
             raise DeviceFailed(
-                f"No servo answers at {self._address}: check power, cable, and that its baud rate is this."
+                f"No servo answers at {self._address}: check power and cable, and that the baud rate is this."
             )
         if numbers != list(range(1, len(numbers) + 1)):
-            raise DeviceFailed(f"The servos must have the numbers 1, 2, ... from the tail on, got {numbers}.")
+            raise DeviceFailed(f"The servos must be numbered 1, 2, ... from the tail on, got {numbers}.")
         modes = self._read(Register.OPERATING_MODE, 1, numbers)
         if wrong := [number for number, mode in modes.items() if mode[0] not in POSITION_MODES]:
-            raise DeviceFailed(f"Servos {wrong} must be in a mode that controls the position, {POSITION_MODES}.")
+            raise DeviceFailed(f"Servos {wrong} must be in a position-control mode, {POSITION_MODES}.")
         models = {number: struct.unpack_from("<H", answers[number])[0] for number in numbers}
         return {number: Servo(torque=TORQUE.get(models[number], 0.0)) for number in numbers}
 

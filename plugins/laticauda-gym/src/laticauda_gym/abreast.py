@@ -58,17 +58,17 @@ class Abreast(Steered):
     """
 
     scenario: Scenario = option(
-        "Who swims where, how long; episodes have starts and currents", default_factory=partial(swimmer, model=OPEN)
+        "Robot, gait, water, duration; episodes set start and current", default_factory=partial(swimmer, model=OPEN)
     )
-    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
-    spacing: float = quantity("m", "Between two lines", gt=0.0, default=0.8)
+    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
+    spacing: float = quantity("m", "Distance between lines", gt=0.0, default=0.8)
     max_cross_track_error: float = quantity("m", "At the start, to either side of the line", ge=0.0, default=0.1)
     max_lead: float = quantity("m", "At the start, ahead or behind", ge=0.0, default=0.5)
     max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(10.0))
     cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
     lead_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
-    speed_unit: float = quantity("m/s", "v_1, speed along the line that is worth 1 per second", gt=0.0, default=0.1)
-    touch_cost: float = quantity("1/s", "T, while a robot touches something", ge=0.0, default=10.0)
+    speed_unit: float = quantity("m/s", "v_1, speed along the line that earns 1 per second", gt=0.0, default=0.1)
+    touch_cost: float = quantity("1/s", "T, cost while a robot touches something", ge=0.0, default=10.0)
 
     def __post_init__(self) -> None:
         """Check what goes together."""
@@ -76,7 +76,7 @@ class Abreast(Steered):
         check_ends(self, "frequencies")
         model = self.scenario.model
         if not isinstance(model, Spatial) or model.scene is None:
-            raise BadArgument("scenario.model", "must be a `Spatial` with a `scene`, as `open`, for robots that meet")
+            raise BadArgument("scenario.model", "must be a `Spatial` with a `scene`, e.g. `open`, for robots that meet")
 
     @property
     def actions(self) -> tuple[Range, ...]:

@@ -76,7 +76,7 @@ class StableBaselines(VecEnv):
         Raises:
             ValueError: Always.
         """
-        raise BadArgument(attr_name, "must be given when the environment is made: its lanes share it")
+        raise BadArgument(attr_name, "must be set when the environment is made: all lanes share it")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
         """Refused, for the same reason. Arguments as for `VecEnv`.
@@ -84,7 +84,7 @@ class StableBaselines(VecEnv):
         Raises:
             ValueError: Always.
         """
-        raise BadArgument(method_name, "must be called on `envs`: its lanes are no environments of their own")
+        raise BadArgument(method_name, "must be called on `envs`: its lanes are not separate environments")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """They never are. Arguments as for `VecEnv`."""

@@ -38,7 +38,7 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
     """
     if isinstance(task, Swimming):
         if settings:
-            raise BadArgument("task", f"must be a name where fields of it are given, got {task} and {set(settings)}")
+            raise BadArgument("task", f"must be a name if its fields are given, got {task} and {set(settings)}")
         return task
     return decoded(TASKS[one_of("task", task, tuple(TASKS))], settings)
 
@@ -334,7 +334,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
 
     def _mask(self, given: object) -> np.ndarray:
         if not isinstance(given, np.ndarray) or given.dtype != bool or given.shape != (self.num_envs,):
-            raise BadArgument("reset_mask", f"must be an array of {self.num_envs} truth values, got {given!r}")
+            raise BadArgument("reset_mask", f"must be an array of {self.num_envs} booleans, got {given!r}")
         return given
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
@@ -343,5 +343,5 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         if isinstance(seed, int | np.integer):
             return [int(seed) + lane for lane in range(self.num_envs)]
         if len(seed) != self.num_envs:
-            raise BadArgument("seed", f"must be a number or one for each of {self.num_envs} lanes, got {len(seed)}")
+            raise BadArgument("seed", f"must be one number, or one per lane ({self.num_envs}), got {len(seed)}")
         return seed

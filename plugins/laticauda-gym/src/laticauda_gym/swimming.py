@@ -129,12 +129,12 @@ class Swimming(ABC):
         ValueError: If a field is out of its range.
     """
 
-    scenario: Scenario = option("Who swims where, how long; episodes have starts and currents", default_factory=swimmer)
+    scenario: Scenario = option("Robot, gait, water, duration; episodes set start and current", default_factory=swimmer)
     currents: Mapping[str, tuple[float, float]] = option(
-        "Between which episodes draw numbers of the water's flow; a seed may be any", default_factory=dict[str, Any]
+        "Ranges from which episodes draw numbers of the flow; seeds are drawn anyway", default_factory=dict[str, Any]
     )
-    interval: float = quantity("s", "From one action to the next", gt=0.0, default=0.2)
-    failure_reward: float = quantity("", "Reward of a step that diverges, the last", ge=-1e9, le=0.0, default=-1000.0)
+    interval: float = quantity("s", "Time between actions", gt=0.0, default=0.2)
+    failure_reward: float = quantity("", "Reward of the last step if it diverges", ge=-1e9, le=0.0, default=-1000.0)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

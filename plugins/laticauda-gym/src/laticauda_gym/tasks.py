@@ -58,7 +58,7 @@ class Steered(Swimming):
     """
 
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
-    max_current: float = quantity("m/s", "Fastest water of an episode, in any direction", ge=0.0, default=0.06)
+    max_current: float = quantity("m/s", "Fastest current of an episode, in any direction", ge=0.0, default=0.06)
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=100.0)
 
     def __post_init__(self) -> None:
@@ -97,7 +97,7 @@ class PathFollowing(Steered):
     max_cross_track_error: float = quantity("m", "At the start, to either side", ge=0.0, default=1.0)
     max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(60.0))
     cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
-    speed_unit: float = quantity("m/s", "v_1, speed along the path that is worth 1 per second", gt=0.0, default=0.1)
+    speed_unit: float = quantity("m/s", "v_1, speed along the path that earns 1 per second", gt=0.0, default=0.1)
 
     @property
     def draws(self) -> tuple[Range, ...]:
@@ -129,11 +129,11 @@ class Efficiency(Swimming):
         ValueError: If a field is out of its range, or the amplitude could take a joint beyond its limit.
     """
 
-    amplitudes: tuple[float, float] = quantity("rad", "May be asked for", ge=0.0, default=(0.0, math.radians(45.0)))
-    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
-    phase_shifts: tuple[float, float] = quantity("rad", "Its ends", default=(math.radians(10.0), math.radians(70.0)))
-    speeds: tuple[float, float] = quantity("m/s", "Values of v, which an episode draws", ge=0.0, default=(0.03, 0.15))
-    speed_tolerance: float = quantity("m/s", "v_1, error of the speed that costs 1 per second", gt=0.0, default=0.02)
+    amplitudes: tuple[float, float] = quantity("rad", "Action range", ge=0.0, default=(0.0, math.radians(45.0)))
+    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
+    phase_shifts: tuple[float, float] = quantity("rad", "Its range", default=(math.radians(10.0), math.radians(70.0)))
+    speeds: tuple[float, float] = quantity("m/s", "Range from which an episode draws v", ge=0.0, default=(0.03, 0.15))
+    speed_tolerance: float = quantity("m/s", "v_1, speed error that costs 1 per second", gt=0.0, default=0.02)
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
 
     def __post_init__(self) -> None:
@@ -198,7 +198,7 @@ class StationKeeping(Steered):
         ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
     """
 
-    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0, default=(0.0, math.radians(130.0)))
+    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
     max_distance: float = quantity("m", "At the start, along each axis", ge=0.0, default=1.0)
     distance_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
 

@@ -42,7 +42,7 @@ class SwimmingParallelEnv(ParallelEnv):
     def __init__(self, n_robots: int = 3, *, task: Abreast | None = None, **settings: Any) -> None:
         n = whole("n_robots", n_robots, 2)
         if task is not None and settings:
-            raise BadArgument("task", f"must be None where fields of it are given, got {task} and {set(settings)}")
+            raise BadArgument("task", f"must be None if its fields are given, got {task} and {set(settings)}")
         scene = {} if "scenario" in settings else {"model": OPEN}
         self.task = decoded(Abreast, scene | settings) if task is None else task
         self.episodes = Episodes(self.task, n, school=OneScene)
@@ -85,7 +85,7 @@ class SwimmingParallelEnv(ParallelEnv):
             if name in self.episodes.drawn:
                 given[name] = option
             else:
-                warnings.warn(f"`options` has {name!r}, which no episode draws; it is left out", stacklevel=2)
+                warnings.warn(f"`options` has {name!r}, which no episode draws; it is ignored", stacklevel=2)
         self.episodes.begin(np.full(self.episodes.n, True), self._generators, given)
         self.agents = list(self.possible_agents)
         return self._by_agent(self.episodes.seen), self._infos(np.zeros(self.episodes.n))
@@ -106,7 +106,7 @@ class SwimmingParallelEnv(ParallelEnv):
         if not self.agents:
             raise ResetNeeded(NOT_BEGUN)
         if missing := [agent for agent in self.agents if agent not in actions]:
-            raise BadArgument("actions", f"must have one for each agent, got none for {missing}")
+            raise BadArgument("actions", f"must have an action for each agent, got none for {missing}")
         of_one = self.action_spaces[self.agents[0]].shape
         done = self.episodes.step(np.stack([checked(actions[agent], of_one) for agent in self.agents]))
         told = (done.observation, done.reward.tolist(), done.terminated.tolist(), done.truncated.tolist())

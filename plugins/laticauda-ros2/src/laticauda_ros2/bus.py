@@ -98,7 +98,7 @@ class Ros2Control(Bus):
             rule = (
                 f"must be JOINT,JOINT,... with up to {N_NODES} names, tail first; NAMESPACE/ before and :DOMAIN after"
             )
-            raise BadArgument("address", f"{rule} may be left out; got {address!r}")
+            raise BadArgument("address", f"{rule} are optional, got {address!r}")
 
     @staticmethod
     def _parts(address: str) -> tuple[str, list[str], int]:
@@ -112,7 +112,7 @@ class Ros2Control(Bus):
         for topic in (self._goals, self._motors):
             if not waited(lambda topic=topic: self._node.is_heard(topic), PATIENCE):
                 raise DeviceFailed(
-                    f"Nobody takes {topic} {where} `ros2 control list_controllers` (for {self._address})."
+                    f"No node subscribes to {topic} {where} `ros2 control list_controllers` (for {self._address})."
                 )
 
         def are_there() -> bool:
@@ -121,7 +121,7 @@ class Ros2Control(Bus):
 
         if not waited(are_there, PATIENCE):
             missing = ", ".join(name for name, joint in self._joints.items() if not math.isfinite(joint.position))
-            raise DeviceFailed(f"No position of {missing} comes by {self._states} {where} the names of the joints.")
+            raise DeviceFailed(f"No position of {missing} arrives on {self._states} {where} the names of the joints.")
         self._switch()
 
     # ---- what the loop calls -----------------------------------------------------------------------------------------
@@ -185,7 +185,7 @@ class Ros2Control(Bus):
     def _measure(self, now: float) -> None:
         """Take what the robot says of its joints; of those that it says nothing of, nothing is heard."""
         for message in self._node.taken(self._states):
-            self._nonsense = "" if message is not None else f"a message of {self._states} makes no sense"
+            self._nonsense = "" if message is not None else f"invalid message on {self._states}"
             if message is None:
                 continue
             stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
@@ -232,7 +232,7 @@ class Ros2Control(Bus):
         """Motors on or off, as the joints' states are; say so, if nobody is there to do it."""
         self._node.say(self._motors, messages.numbers(joint.state.is_on for joint in self._joints.values()))
         deaf = [topic for topic in (self._goals, self._motors) if not self._node.is_heard(topic)]
-        self._deaf = f"nobody takes {' and '.join(deaf)} any more" if deaf else ""
+        self._deaf = f"no node subscribes to {' and '.join(deaf)} any longer" if deaf else ""
 
     def _beat(self, now: float) -> None:
         """How every joint is of which something was heard; of voltage and temperature nothing is known."""

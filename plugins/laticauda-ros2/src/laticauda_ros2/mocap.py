@@ -56,7 +56,7 @@ class Ros2Poses(MotionCapture):
         named = body.replace("-", "_")  # a topic has no hyphens
         if named and named not in self._topic.split("/"):
             raise DeviceFailed(
-                f"The poses at {address} do not say of which body they are: leave `mocap_body` empty, or take a topic "
+                f"The poses at {address} do not name their body: leave `mocap_body` empty, or use a topic "
                 f"that is named after {body!r}, such as /{named}/pose."
             )
         self._last = -np.inf
@@ -66,7 +66,7 @@ class Ros2Poses(MotionCapture):
             self._node.close()
             why = f": {self._trouble}" if self._trouble else ""
             raise DeviceFailed(
-                f"No PoseStamped comes by {address}{why}. Check its domain, here {domain}, and `ros2 topic info -v`."
+                f"No PoseStamped arrives on {address}{why}. Check its domain, here {domain}, and `ros2 topic info -v`."
             )
         self._start()
 
@@ -83,7 +83,7 @@ class Ros2Poses(MotionCapture):
             try:
                 pose = sample(message)
             except NoPose as error:
-                self._trouble = f"a message makes no sense: {error}"
+                self._trouble = f"invalid message: {error}"
                 continue
             self._trouble = ""
             late = self._last - pose.time

@@ -49,9 +49,9 @@ class Score(Command):
     For example: swimbench score ilos my_policy.onnx my_module:act --output scores
     """
 
-    policies: Policies = option("What to score; all baselines if left out", default=())
-    scenarios: Listed = option("In which scenarios", default=CHALLENGES)
-    output: Place = option("Folder for the score files, made if need be", default=None)
+    policies: Policies = option("Policies to score; all baselines if omitted", default=())
+    scenarios: Listed = option("Scenarios to score in", default=CHALLENGES)
+    output: Place = option("Folder for the score files, created if missing", default=None)
 
     def run(self) -> Outcome:
         """Score one after the other."""
@@ -95,7 +95,7 @@ class Table(Command):
     """
 
     files: Inputs = option("Score files", default=())
-    baselines: bool = option("The baselines' own score files too", default=False)
+    baselines: bool = option("Include the baselines' own score files", default=False)
 
     def run(self) -> Outcome:
         """Read them."""
@@ -116,10 +116,10 @@ class Train(Command):
     """
 
     learner: Annotated[str, tyro.conf.Positional] = option("ppo or sac")
-    scenarios: Listed = option("In which scenarios", default=CHALLENGES)
-    seeds: tuple[int, ...] = quantity("", "Of the runs", ge=0, default=(1, 2, 3, 4, 5))
-    steps: int = quantity("", "Of each run", ge=1, default=1_000_000)
-    output: Folder = option("Folder of the runs and of what came out, one .npz file per scenario", default="runs")
+    scenarios: Listed = option("Scenarios to learn in", default=CHALLENGES)
+    seeds: tuple[int, ...] = quantity("", "Seeds of the runs", ge=0, default=(1, 2, 3, 4, 5))
+    steps: int = quantity("", "Steps of each run", ge=1, default=1_000_000)
+    output: Folder = option("Folder for the runs and the networks, one .npz file per scenario", default="runs")
 
     def run(self) -> Outcome:
         """Train all runs of a seed before those of the next."""
@@ -134,7 +134,7 @@ class Train(Command):
                 said = train(self.learner, name, seed, self.steps, folder, self._tell)
                 seconds += said["seconds"]
                 collect(self.learner, name, folder, folder / f"{self.learner}-{name}.npz")
-        return Outcome(facts={"seconds": seconds}, text=f"Trained in {seconds:.0f} s; what came out is in {folder}.")
+        return Outcome(facts={"seconds": seconds}, text=f"Trained in {seconds:.0f} s; the networks are in {folder}.")
 
     def _tell(self, line: str) -> None:
         self.announce({"told": line}, line)
@@ -144,8 +144,8 @@ class Train(Command):
 class Search(Command):
     """Search for the numbers of a scenario's reference, as they stand in its file. It needs cma."""
 
-    scenario: Annotated[str, tyro.conf.Positional] = option("Which one")
-    evaluations: int = quantity("", "How often all tuning episodes are swum", ge=1, default=120)
+    scenario: Annotated[str, tyro.conf.Positional] = option("Scenario to search in")
+    evaluations: int = quantity("", "Number of passes over all tuning episodes", ge=1, default=120)
 
     def run(self) -> Outcome:
         """Search, and swim the scored episodes with what was found."""

@@ -229,7 +229,7 @@ def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
     file = Path(text)
     if file.suffix in (".onnx", ".npz"):
         if not file.is_file():
-            raise BadArgument("policy", f"must be a file that is there, got {text}")
+            raise BadArgument("policy", f"must be an existing file, got {text}")
         return _onnx(file) if file.suffix == ".onnx" else _weights(file)
     if ":" in text:
         return _called(text)

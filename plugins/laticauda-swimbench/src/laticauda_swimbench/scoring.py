@@ -56,7 +56,7 @@ def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method,
             actions = np.asarray(act(observed), dtype=float)
             if actions.shape != (n, len(task.actions)) or not np.isfinite(actions).all():
                 rule = f"{n} rows of {len(task.actions)} finite numbers"
-                raise BadScores(f"{method.name}: said actions of shape {actions.shape}, where {rule} are asked for")
+                raise BadScores(f"{method.name}: returned actions of shape {actions.shape}, expected {rule}")
             done = episodes.step(actions)
             worth += np.where(well, done.reward, 0.0)
             square += episodes.motion.y**2
@@ -174,7 +174,7 @@ def read_scores(path: str | Path) -> dict[str, Any]:
     except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, BadScores):
             raise
-        raise BadScores(f"{path}: is no score file: {error}") from None
+        raise BadScores(f"{path}: is not a score file: {error}") from None
     if not is_ours:
         raise BadScores(f"{path}: must be of the format swimbench-scores {FORMAT}")
     if not is_right:

@@ -24,13 +24,13 @@ class Swim(Swimming):
         ValueError: If a field is out of its range, or gait and offset could take a joint beyond its limit.
     """
 
-    amplitudes: tuple[float, float] = quantity("rad", "May be asked for", ge=0.0)
-    frequencies: tuple[float, float] = quantity("rad/s", "May be asked for", ge=0.0)
-    phase_shifts: tuple[float, float] = quantity("rad", "Likewise")
+    amplitudes: tuple[float, float] = quantity("rad", "Smallest and largest that may be asked for", ge=0.0)
+    frequencies: tuple[float, float] = quantity("rad/s", "Smallest and largest that may be asked for", ge=0.0)
+    phase_shifts: tuple[float, float] = quantity("rad", "Smallest and largest that may be asked for")
     max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
-    max_distance: float = quantity("m", "From the line at the start, to either side", ge=0.0)
-    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0)
-    max_current: float = quantity("m/s", "Fastest water of an episode, in any direction", ge=0.0, default=0.0)
+    max_distance: float = quantity("m", "Largest distance from the line at the start, to either side", ge=0.0)
+    max_heading: float = quantity("rad", "Largest heading at the start, to either side", ge=0.0)
+    max_current: float = quantity("m/s", "Largest current of an episode, in any direction", ge=0.0, default=0.0)
     tolerance: float = quantity("m", "y_1, distance from the line at which progress counts half", gt=0.0)
     price: float = quantity("J/m", "F, energy that is worth as much as a meter", gt=0.0)
 

@@ -71,7 +71,7 @@ class UdpJson(MotionCapture):
         except OSError as error:
             self._socket.close()
             ours = isinstance(error, DeviceFailed)
-            raise error if ours else DeviceFailed(f"Nothing can be heard at {address}: {error}.") from error
+            raise error if ours else DeviceFailed(f"Cannot listen at {address}: {error}.") from error
         self._start()
 
     @classmethod
@@ -90,7 +90,7 @@ class UdpJson(MotionCapture):
                 end = min(end, time.monotonic() + 5 * LISTENS)  # others may follow
         listed = ", ".join(bodies) or "none"
         if not bodies:
-            raise DeviceFailed(f"No pose comes to {self._address}: check that its sender knows this address.")
+            raise DeviceFailed(f"No pose arrives at {self._address}: check that its sender uses this address.")
         if self._body and self._body not in bodies:
             raise DeviceFailed(f"The motion capture has no body {self._body!r}; its bodies are: {listed}.")
         if not self._body and len(bodies) > 1:
@@ -104,7 +104,7 @@ class UdpJson(MotionCapture):
         except TimeoutError:
             return None
         except NoPose as error:
-            self._trouble = f"a datagram makes no sense: {error}"
+            self._trouble = f"invalid datagram: {error}"
             return None
         self._trouble = ""
         return heard

@@ -179,7 +179,7 @@ class Description:
         SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
         _add_units(root, self.tables.variables)
         categories = SubElement(root, "LogCategories")
-        SubElement(categories, "Category", name="logStatusError", description="What was refused, and why.")
+        SubElement(categories, "Category", name="logStatusError", description="Rejected calls, with the reasons.")
         SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL))
         listed = SubElement(root, "ModelVariables")
         for reference, variable in enumerate(self.tables.variables):

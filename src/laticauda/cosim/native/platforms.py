@@ -108,7 +108,7 @@ def platform_of(name: str = "") -> Platform:
     if name:
         return PLATFORMS[one_of("platform", name, [*PLATFORMS])]
     if (own := here()) is None:
-        raise BadArgument("platform", f"must be chosen on {sys.platform} on {machine()}, which is none of them")
+        raise BadArgument("platform", f"must be given on {sys.platform} on {machine()}, which is none of them")
     return own
 
 

@@ -66,7 +66,7 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
         driven = (*_generator(plant, gait), *_wave("gait", gait), *fin)
     else:
         driven = _references(plant)
-    clock = "Largest step of the integration; each communication step is cut into equal ones."
+    clock = "Largest step of the integration; each communication step is divided into equal ones."
     return (
         Variable(name="time", causality="independent", unit="s", description="Time.", symbol="t"),
         _parameter("dt", "s", "", plant.dt, (LEAST_DT, 1e3), clock),
@@ -107,7 +107,7 @@ def _outputs(
 
 
 def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
-    text, (x, y), anywhere = "Where the center of mass is at the start.", start.center_of_mass, (-FAR, FAR)
+    text, (x, y), anywhere = "Position of the center of mass at the start.", start.center_of_mass, (-FAR, FAR)
     yield _parameter("start.x", "m", "p_x", x, anywhere, text, rows.X)
     yield _parameter("start.y", "m", "p_y", y, anywhere, text, rows.Y)
     text = "Mean angle of the links at the start, counter-clockwise from the x axis."
@@ -172,7 +172,7 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
         driven.append(("fin.reference", "the fin", _record(plant.layout.tail_link)))
     for name, of, b in driven:
         # The generator stands still at the crest of a wave of amplitude 1 (`PlanarPlant.rows`).
-        text = f"Angle that {of} is asked for, held during a communication step."
+        text = f"Reference angle of {of}, held during a communication step."
         yield _input(name, "rad", "phi_ref", 0.0, (-FAR, FAR), text, b + rows.ENVELOPE)
 
 
@@ -184,7 +184,7 @@ def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
             yield from _law("current", flow, plant.layout.template.size - len(flow.numbers))
         return
     for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
-        text = "Velocity that the water moves to, world axes."
+        text = "Velocity of the water, world axes."
         yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)
 
 
@@ -209,7 +209,7 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
         # Reference of the gait; the kernel's own reference is the share of it that prescribed joints follow.
         share = plant.robot.joints[i].actuator.tracking if plant.joints.prescribed else 1.0
         rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
-        text = f"Angle that joint {i} is asked for."
+        text = f"Reference angle of joint {i}."
         yield _output(f"joint_angle_ref[{i}]", "rad", "phi_i,ref", text, (b + rows.REFERENCE, 1.0 / share), *rest)
     yield from _outputs("joint_torque", "N.m", "u_i", "Torque of the drive of joint {}.", rows.TORQUE, records)
 

@@ -71,7 +71,7 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
             for k, beat in enumerate(modules.heartbeat)
             if beat is None or not math.isfinite(modules.angle[k])
         ]
-        which = "no module is heard" if len(silent) == modules.n else f"module {', '.join(silent)} is not heard"
+        which = "no module responds" if len(silent) == modules.n else f"module {', '.join(silent)} does not respond"
         missing.append(f"{which} on {connection.bus_address}: check power, cable and node")
     if state.frame_time is None:
         body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"
@@ -80,9 +80,9 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
             "the robot is within its volume"
         )
     if connection.meter_address and state.reading is None:
-        missing.append(f"the power meter at {connection.meter_address} says nothing: check that it is on and connected")
+        missing.append(f"the power meter at {connection.meter_address} is silent: check that it is on and connected")
     if not missing:
-        return _done(state, now, "connected", f"{modules.n} modules and the motion capture are heard")
+        return _done(state, now, "connected", f"{modules.n} modules and the motion capture respond")
     if _gone(state, now) > CONNECT_TIME:
         return _given_up(state, now, _sentence("; ".join(missing)))
     return state, ()
@@ -95,7 +95,7 @@ def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
         beats = [beat for beat in state.modules.heartbeat if beat is not None]
         warm, low = max(beat.temperature for beat in beats), min(beat.voltage for beat in beats)
-        message = f"all modules are well: at most {warm:.0f} degC, at least {low:.1f} V"
+        message = f"all modules are OK: at most {warm:.0f} degC, at least {low:.1f} V"
         return _done(state, now, "well", message, temperature=warm, voltage=low)
     if _gone(state, now) > CONNECT_TIME / 2.0:
         return _given_up(state, now, _sentence("; ".join(found or ("the modules do not go limp",))))
@@ -113,7 +113,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
     words = [f"clock of the cameras {1e3 * offset:+.1f} ms"]
     unset = sum(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat)
     if unset and not how.joint_zeros:
-        words.append(f"{unset} modules have no zero since their power came on")
+        words.append(f"{unset} modules have had no zero since power-on")
     elif unset:
         zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
         words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
@@ -123,7 +123,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
         if len(rotation) < LEAST_FRAMES:
             raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
         yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
-        words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
+        words.append(f"marker body at {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
     found = {"without_zero": 0 if how.joint_zeros else unset}
     return _done(replace(state, prepared=prepared), now, "calibrated", "; ".join(words), **found)
@@ -132,7 +132,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
 def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Measure I_0: the mean current while the robot is limp."""
     if not operation.connection.meter_address:
-        return _done(state, now, "measured", "no power meter: the run has no power")
+        return _done(state, now, "measured", "no power meter: power is not measured")
     if _gone(state, now) < operation.calibration.idle_time:
         return state, ()
     mean = state.idle.mean
@@ -148,7 +148,7 @@ def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
     if state.supervisor.state == "idle":  # not yet granted because something is wrong; wait, but not forever
         if _gone(state, now) > GRANT_TIME:
             why = ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
-            return _given_up(state, now, f"The robot may not move: {why}")
+            return _given_up(state, now, f"The robot must not move: {why}")
         return state, ()
     if _gone(state, now) > how.patience:
         return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")

@@ -134,7 +134,7 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
         try:
             why = self.look()
         except Exception as error:
-            self._found.append(f"the line is lost: {error}")
+            self._found.append(f"the input cannot be read: {error}")
             raise
         self._looked = time.monotonic()
         if why:
@@ -143,7 +143,7 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
     def receive(self) -> tuple[str, ...]:
         """Return why the robot must stop, as seen since the last call."""
         age = time.monotonic() - self._looked
-        return super().receive() or ((f"it was read {age:.2f} s ago",) if age > self.OLDEST else ())
+        return super().receive() or ((f"it was last read {age:.2f} s ago",) if age > self.OLDEST else ())
 
 
 KINDS: dict[str, Any] = {"bus": Bus, "mocap": MotionCapture, "meter": Meter, "stop": StopInput}

@@ -92,9 +92,9 @@ def broken(
         heard, longest = listen(driver, clock, duration)
         times, values = [one.time for one in heard], [one.value for one in heard]
         right = times == sorted(times) and all(0.0 < one <= clock.now() for one in times)
-        found += [] if right else ["times of arrival must be those of the given clock, and grow"]
+        found += [] if right else ["arrival times must be on the given clock, and increase"]
         found += [f"a call of the loop took {longest:.3f} s"] if longest > LONGEST else []
-        found += [f"it says: {driver.trouble}"] if driver.trouble else []
+        found += [f"it reports: {driver.trouble}"] if driver.trouble else []
         few = kind in ("mocap", "meter") and len(values) < math.floor(duration)
         found += [f"{len(values)} items came in {duration:g} s"] if few else RULES[kind](values, duration)
         if kind == "bus":
@@ -112,7 +112,7 @@ def broken(
             there.at(**{kind: absent}).opened(kind, clock).close()
             found.append(f"{absent} must be refused, with `DeviceFailed`")
     except DeviceFailed as error:
-        found += [] if absent.rpartition("@")[2] in str(error) else [f"the refusal must say the address: {error}"]
+        found += [] if absent.rpartition("@")[2] in str(error) else [f"the error must name the address: {error}"]
     return tuple(found)
 
 
@@ -143,7 +143,7 @@ def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[
             yield f"modules must be {what}, got {states}"
     sent = driver.send((NodeCommand(order=Order.CLEAR),))
     if [(type(one.message), one.is_ours) for one in sent] != [(NodeCommand, True)] or driver.bus_off:
-        yield f"`send` must give the frames that went out, got {sent}; it says {driver.bus_off!r}"
+        yield f"`send` must return the frames that were sent, got {sent}; it reports {driver.bus_off!r}"
 
 
 def _mocap(found: list[Any], duration: float) -> Iterator[str]:
@@ -151,10 +151,10 @@ def _mocap(found: list[Any], duration: float) -> Iterator[str]:
     if all(pose.is_lost for pose in found):
         yield "the body must be seen"
     if any(after.time <= before.time for before, after in pairwise(found)):
-        yield "the times of poses must grow"
+        yield "the times of poses must increase"
     for turned in (pose.rotation for pose in found if pose.rotation is not None):
         if not np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) or np.linalg.det(turned) < 0.0:
-            yield f"a rotation must be one, got {turned.tolist()}"
+            yield f"rotation matrices must be orthonormal and right-handed, got {turned.tolist()}"
             return
 
 

@@ -153,7 +153,7 @@ class MocapDriver(MotionCapture):
             pose = self._pose(packet, self._at)
             stamp = packet.timestamp / 1e6
         except Exception as error:  # an invalid packet is a lost frame
-            self._trouble = f"a packet of the motion capture makes no sense: {error}"
+            self._trouble = f"invalid packet from the motion capture: {error}"
             return
         self._found.append((arrival, pose_sample(stamp, pose)))
 

@@ -28,7 +28,7 @@ class PowerReading:
     """Reading of the power meter in the supply cable."""
 
     time: float = quantity("s", "When it was read")
-    current: float = quantity("A", "Now")
+    current: float = quantity("A", "Present current")
     average: float | None = quantity("A", "Since the meter was reset; None if it was not queried", default=None)
     minimum: float | None = quantity("A", "Since the meter was reset", default=None)
     maximum: float | None = quantity("A", "Since the meter was reset", default=None)
@@ -224,19 +224,19 @@ Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 class Header:
     """Header of a recording, about the whole operation."""
 
-    run: Experiment = option("what swims, in what, by which gait, if known; density and current count for figures")
-    controller: interfaces.Controller[Any] | None = option("what decides the commands, for a replay", default=None)
-    estimator: Estimators | None = option("where the robot is, for a replay; its plant is kept as `twin`", default=None)
-    twin: Experiment | None = option("how the estimator's digital twin was made; None without one", default=None)
+    run: Experiment = option("robot, water and gait, if known; density and current are used for figures")
+    controller: interfaces.Controller[Any] | None = option("the controller, for a replay", default=None)
+    estimator: Estimators | None = option("state estimator, for a replay; its plant is kept as `twin`", default=None)
+    twin: Experiment | None = option("how the estimator's digital twin was built; None: without one", default=None)
     supply_voltage: float | None = quantity("V", "V of (4); None without a power meter", gt=0.0, default=None)
-    learning: estimation.Learning | None = option("what a twin learnt meanwhile; None: nothing", default=None)
+    learning: estimation.Learning | None = option("what a digital twin learned; None: nothing", default=None)
     operation: str = option("the trial file as it was read", default="")
 
     def __post_init__(self) -> None:
         """Reject what cannot be written, and replace a plant with how it was made."""
         instance("controller", self.controller, interfaces.Controller, type(None))
         if not (self.controller is None or is_dataclass(self.controller)):
-            raise BadArgument("controller", f"must be a value, got {type(self.controller).__name__}")
+            raise BadArgument("controller", f"must be a dataclass, got {type(self.controller).__name__}")
         if isinstance(self.estimator, estimation.Estimator) and self.estimator.plant is not None:
             object.__setattr__(self, "twin", _record_of(self.estimator.plant))
             object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
@@ -278,5 +278,5 @@ def _value(name: str, text: str, hint: Any) -> Any:
 def _record_of(plant: Plant[Any]) -> Experiment:
     """Return how a plant was made, in the form that a recording keeps."""
     if isinstance(robot.law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
-        raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
+        raise BadArgument("plant", "must have a fluid law that is a class, and no scene, to be recorded")
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)

@@ -170,7 +170,7 @@ class Sink:
             learned = self._state.learned
             told = () if learned is None else learned.changes
         except Exception as error:
-            self._learner, learned, told = None, None, (f"Nothing is learnt any more: {error}",)
+            self._learner, learned, told = None, None, (f"Learning has stopped: {error}",)
         news = [Event(time=now, kind="changed", message=change) for change in told]
         for entry in news if learned is None else (learned, *news):
             self._recorder.record(entry, received=now)
@@ -265,11 +265,11 @@ def header_in(recording: logs.Recording) -> Header:
     """
     path, texts = recording.path, recording.metadata.get(entries.HEADER)
     if texts is None:
-        raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
+        raise TrialFileError(f"Cannot load {path}: it is not a recording of an operation, or its beginning is missing.")
     if texts.get("format") != entries.FORMAT:
         raise TrialFileError(
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
-            f"{entries.FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
+            f"{entries.FORMAT}: read it with laticauda {texts.get('version')}, which wrote it."
         )
     with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         return entries.header_from_texts(texts)
@@ -392,5 +392,5 @@ def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | No
     if twin is None or not isinstance(estimator, Estimator):
         return estimator
     if plant is None:
-        raise BadArgument("plant", "must be `laticauda.plant`, which makes the recorded twin again, got None")
+        raise BadArgument("plant", "must be `laticauda.plant`, which rebuilds the recorded twin, got None")
     return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

@@ -45,7 +45,7 @@ def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[E
             chosen.append(estimate)
     if len(chosen) < 2:
         what = f" {log.lost}" if log.lost else ""
-        raise TrialFileError(f"Cannot replay {log.path}: it holds no run of at least two estimates.{what}")
+        raise TrialFileError(f"Cannot replay {log.path}: it holds no run with at least two estimates.{what}")
     return chosen
 
 
@@ -113,7 +113,7 @@ def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Map
         return None, {}
     volts = log.header.supply_voltage
     if volts is None:
-        raise TrialFileError(f"Cannot replay {log.path}: it holds power readings, and no `supply_voltage`.")
+        raise TrialFileError(f"Cannot replay {log.path}: it holds power readings, but no `supply_voltage`.")
     when = np.array([reading.time for reading in readings])
     current = np.array([reading.current for reading in readings])
     steps = np.diff(when) * 0.5 * (current[1:] + current[:-1])

@@ -57,14 +57,14 @@ class Writer(AbstractContextManager["Writer"]):
         said = _heard(self._process.stdout)
         if said != "":
             self.close()
-            raise StorageFailed(said or "The program that is to write the recording does not begin.")
+            raise StorageFailed(said or "The program that writes the recording does not start.")
         os.set_blocking(self._pipe, False)
         self._listener.start()
 
     def keep(self, now: float, found: Sequence[Entry | Frame]) -> None:
         """Record what a tick at `now` [s] `found`, in this order; after an error, nothing more is written."""
         if len(self._waiting) > MOST_WAITING:
-            self.trouble = self.trouble or "the disk does not keep up with the recording"
+            self.trouble = self.trouble or "the disk cannot keep up with the recording"
         if not self.trouble:
             self._send((now, found))
 

@@ -115,7 +115,7 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
     found: list[str] = []
     for node, beat in enumerate(modules.heartbeat, start=1):
         if beat is None:
-            found.append(f"module {node} is not heard: check its power and its place on the bus")
+            found.append(f"module {node} does not respond: check its power and its bus connection")
             continue
         if beat.leak:
             found.append(f"module {node} reports water inside: take the robot out and dry it")
@@ -123,9 +123,9 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
             flags = ", ".join(beat.faults).replace("_", " ") or "no flag"
             found.append(f"module {node} is in its fault state ({flags})")
         if beat.temperature > max_temperature:
-            found.append(f"module {node} has {beat.temperature:.0f} degC, allowed: {max_temperature:.0f}; let it cool")
+            found.append(f"module {node} is at {beat.temperature:.0f} degC, limit {max_temperature:.0f}: let it cool")
         if beat.voltage < min_voltage:
-            found.append(f"module {node} has {beat.voltage:.1f} V, needed are {min_voltage:.1f}: check the supply")
+            found.append(f"module {node} has {beat.voltage:.1f} V, but needs {min_voltage:.1f}: check the supply")
     return tuple(found)
 
 
@@ -202,11 +202,11 @@ def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitS
         found["late_loop"] = f"a tick came {reports.lateness:.3f} s late"
     if reports.references is not None:
         if reports.mocap_age > limits.mocap_timeout:
-            found["lost_mocap"] = f"the robot was seen {reports.mocap_age:.1f} s ago"
+            found["lost_mocap"] = f"the robot was last seen {reports.mocap_age:.1f} s ago"
         if reports.room < limits.edge_margin:
-            found["edge"] = f"{max(reports.room, 0.0):.2f} m are left to the edge"
+            found["edge"] = f"{max(reports.room, 0.0):.2f} m left to the edge"
     if reports.meter_age is not None and reports.meter_age > limits.meter_timeout:
-        found["lost_meter"] = f"the meter was read {reports.meter_age:.1f} s ago"
+        found["lost_meter"] = f"the meter was last read {reports.meter_age:.1f} s ago"
     return after, found
 
 

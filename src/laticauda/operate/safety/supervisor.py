@@ -297,4 +297,4 @@ def _check(events: Set[str]) -> None:
     known = (*BY_EVENT, *REQUESTS)
     for event in events:
         if event not in known:
-            raise ValueError(f"`events` must hold events of the table only, got {event!r}{nearest(event, known)}")
+            raise ValueError(f"`events` must hold only events of the table, got {event!r}{nearest(event, known)}")

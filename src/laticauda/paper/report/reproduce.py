@@ -187,7 +187,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
         ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
         ax.set(ylabel="simulated forward velocity [m/s]")
         style.legend(ax, loc="upper left")
-        yield "speeds", "Speeds of the robot against those simulated.", figure
+        yield "speeds", "Simulated against measured speeds of the robot.", figure
 
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
     return paper_chapter(name="summary", values=values, n_figures=1, figures=figures)

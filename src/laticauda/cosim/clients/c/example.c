@@ -27,7 +27,7 @@ int main(int count, char **words)
     const char *answer, *token = count > 3 ? words[3] : "";
 
     if (laticauda_connect(&robot, count > 1 ? words[1] : "127.0.0.1", count > 2 ? words[2] : "5055") != 0) {
-        fputs("Nobody listens there: begin with `laticauda serve`.\n", stderr);
+        fputs("No server listens there: start one with `laticauda serve`.\n", stderr);
         return 1;
     }
     answer = laticauda_ask(&robot, "{\"do\":\"reset\",\"robot\":\"mamba\",\"token\":\"%s\"}", token);

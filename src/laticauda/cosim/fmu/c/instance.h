@@ -108,12 +108,12 @@ static int move(Instance *instance, double interval) {
 static int begin(Instance *instance) {
     if (!instance->now.is_stale || move(instance, 0.0)) return 1;
     instance->now.phase = FAILED;
-    return complain(instance, "The start is out of all bounds with these parameters; nothing was computed.");
+    return complain(instance, "The start is beyond all bounds with these parameters; nothing was computed.");
 }
 
 static int is_free(const Instance *instance, const char *what) {
     if (instance->now.phase != FAILED) return 1;
-    return complain(instance, "%s is not possible any more: the motion diverged. Reset the instance first.", what);
+    return complain(instance, "%s is no longer possible: the motion diverged. Reset the instance first.", what);
 }
 
 static int look(Instance *instance, size_t reference, double *value) {
@@ -128,7 +128,7 @@ static int put(Instance *instance, size_t reference, double value) {
     if (reference >= N_VARIABLES) return complain(instance, "There is no variable with the value reference %zu.", reference);
     const char *name = names[reference];
     if (causality[reference] != 'i' && causality[reference] != 'p')
-        return complain(instance, "`%s` must not be set: it is no input and no parameter.", name);
+        return complain(instance, "`%s` must not be set: it is neither an input nor a parameter.", name);
     if (causality[reference] == 'p' && now->phase != BEFORE && now->phase != BEGINNING)
         return complain(instance, "`%s` must be set before the initialization ends: it is a parameter.", name);
     if (!isfinite(value)) return complain(instance, "`%s` must be a finite number, got %g.", name, value);

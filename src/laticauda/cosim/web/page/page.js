@@ -103,7 +103,7 @@ function show(values, passed, ran) {
   ];
   $("readouts").innerHTML = rows.map(([name, value]) => `<dt>${name}</dt><dd>${value}</dd>`).join("");
   $("factor").textContent = page.paused ? "paused" : `${smoothed.toFixed(smoothed < 0.95 ? 2 : 1)} \u00d7 real time`;
-  $("note").textContent = swimmer.failed ? "The motion has diverged; reset, or change something." : refusal(page.setting);
+  $("note").textContent = swimmer.failed ? "The motion has diverged; reset, or change a setting." : refusal(page.setting);
   plots.forEach((plot) => plot.draw());
 }
 
