@@ -67,7 +67,7 @@ def test_bad_input_is_named(run):
     cases = {
         "": "--parameters must hold at least one number to identify",
         "--parameters water.normal_drag=x": "--parameters must be NAME, NAME=VALUE or NAME=MEAN+-SD",
-        "--parameters water.normal_drag --sensors sonar": "--sensors must be of speed, power, path",
+        "--parameters water.normal_drag --sensors sonar": "--sensors must be one of speed, power, path",
         "--parameters water.normal_drag --criterion E": "--criterion must be",
         "--parameters water.normal_drag --trials 0": "must be",
         "--parameters water.normal_drag --output a.txt": "--output must be a file that ends in .png or .pdf or .svg",

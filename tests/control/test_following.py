@@ -55,7 +55,7 @@ def test_a_depth_makes_a_path_one_in_space():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"waypoints": ((0, 0), (1, 0)), "path_depth": (1.0, 2.0, 3.0)}, "`path_depth` must be one depth, or 2, one"),
+        ({"waypoints": ((0, 0), (1, 0)), "path_depth": (1.0, 2.0, 3.0)}, "`path_depth` must be one depth, or 2: one"),
         ({"path_depth": (1.0, 2.0)}, "`path_depth` must be one depth"),
         ({"circle": (0, 0, 1, 1), "waypoints": ((0, 0), (1, 0))}, "`circle` must not be given with `waypoints`"),
         ({"circle": (0, 0, 0, 1)}, "`radius` must be > 0 m"),

@@ -174,9 +174,9 @@ def urgent() -> Generator[str]:
     with suppress(AttributeError, OSError):
         for number, priority in urgency.items():
             os.sched_setscheduler(number, os.SCHED_FIFO, os.sched_param(priority))
-        cores = sorted(os.sched_getaffinity(0))
+        cores, core = list(os.sched_getaffinity(0)), ctypes.CDLL(None).sched_getcpu()
         for number in urgency:
-            os.sched_setaffinity(number, {cores[os.getpid() % len(cores)]})
+            os.sched_setaffinity(number, {core})
     try:
         granted = "real-time priority" if cores else "normal priority, as the system allows no other"
         yield f"The loop has {granted}, and memory that {'stays in place' if fixed else 'may be swapped out'}."
