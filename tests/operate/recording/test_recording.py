@@ -58,6 +58,18 @@ def test_the_ticks_of_the_loop_come_back_as_its_timing(tmp_path):
     assert timing.times.tolist() == [[tick.due, tick.began, tick.sent] for tick in ticks]
 
 
+def test_a_viewer_is_shown_the_joint_of_a_driven_fin(tmp_path):
+    (tmp_path / "driven.toml").write_text(
+        'kind = "robot"\nextends = "mamba-fin"\nname = "driven"\n[caudal_fin.joint]\n'
+    )
+    run = replace(RUN, robot=lc.load_robot(tmp_path / "driven.toml"))
+    with OperationRecorder(tmp_path / "a.mcap", Header(run=run)) as recorder:
+        recorder.record(JointSample(time=0.1, angle=np.append(np.zeros(8), 0.4)))
+    (shown,) = open_recording(tmp_path / "a.mcap").messages("/joint_states")
+    assert shown.content["name"][-1] == "fin_joint"
+    assert shown.content["position"][-1] == 0.4
+
+
 def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
     samples = [
         JointSample(time=0.1, angle=np.full(8, 1.0 / 3.0), rate=np.arange(8.0), torque=None),
