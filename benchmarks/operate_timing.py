@@ -64,7 +64,7 @@ def main() -> None:
     given = parser.parse_args()
     duration = given.duration
     if given.plain:
-        worker.urgent = lambda: nullcontext("The loop has the priority of any program.")
+        worker.urgent = lambda: nullcontext("The loop has normal priority.")
     words = ["lab", "--json", "--robot", "mamba-modules", "--bus", BUS, "--port", "0", "--position", "0", "0.5"]
     program = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
     lab: Any = subprocess.Popen([*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

@@ -54,7 +54,7 @@ def digests(folder: Path) -> dict[str, str]:
 
 def lab() -> tuple[subprocess.Popen[str], list[str]]:
     """The virtual tank, and the words with which `operate` finds it."""
-    words = ["lab", "--json", "--bus", "udp_multicast:239.74.163.7:43127", "--port", "0"]
+    words = ["lab", "--json", "--robot", "mamba", "--bus", "udp_multicast:239.74.163.7:43127", "--port", "0"]
     process = subprocess.Popen([*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     at = json.loads(process.stdout.readline())

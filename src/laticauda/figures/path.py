@@ -94,8 +94,9 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         side = left if is_straight or left @ outward > 0.0 else -left
         near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
         text = MARGIN * max(extent(trial))  # about as wide as the text
-        places = [(each, _beside(center, near, each, half_width)) for each in (side, -side)]
-        side, place = next((one for one in places if _gap(path, one[1] + 0.5 * text * one[0]) > 0.7 * text), places[0])
+        places = [(to, _beside(center, near, to, half_width)) for to in (side, -side)]
+        gaps = [float(np.linalg.norm(path - (at + 0.5 * text * to), axis=1).min()) for to, at in places]
+        side, place = next((one for one, gap in zip(places, gaps, strict=True) if gap > 0.7 * text), places[0])
     style.note(
         ax,
         f"{trial.time[sample]:.3g} s",
@@ -115,11 +116,6 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
 def _beside(center: Point, points: Points, side: Point, half_width: float) -> Point:
     """Return the point just off the body on one side of it."""
     return center + (np.max((points - center) @ side, initial=0.0) + half_width) * side
-
-
-def _gap(path: Points, place: Point) -> float:
-    """Return the distance of a point from the path."""
-    return float(np.min(np.linalg.norm(path - place, axis=1)))
 
 
 # ---- postures ------------------------------------------------------------------------------------------------------

@@ -49,7 +49,7 @@ class Devices:
             ours: Why our own events are there, by event; "" means that one is not.
         """
         frames, stops = self.bus.receive(), () if self.stop is None else self.stop.receive()
-        events = {"bus_off": self.bus.bus_off, "emergency_input": next(iter(stops), ""), **ours}
+        events = {"bus_off": self.bus.bus_off, "emergency_input": next(filter(None, stops), ""), **ours}
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
             frames=self.mocap.receive(),
