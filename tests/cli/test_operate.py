@@ -1,5 +1,7 @@
 import json
 import math
+import os
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +15,8 @@ from laticauda.cli import main
 from laticauda.estimation import Learned
 from laticauda.lab import Lab, Tank, VirtualRobot
 from laticauda.logs import load_trial
+from laticauda.operate import session
+from laticauda.operate.verdict import verdict_of
 from laticauda.protocol import bus_address
 
 TRIAL = """
@@ -91,14 +95,37 @@ def test_a_check_says_that_all_devices_are_well_and_keeps_nothing(lab, trial, tm
     assert not (tmp_path / "runs").exists()
 
 
-def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_path, capsys):
+def series_of(names: str, tmp_path: Path) -> str:
     common = TRIAL.replace('kind = "trial"\nname = "cli"\n', "").replace("[", "[common.")
     common = common.replace("[common.-1, 11]", "[-1, 11]")
-    trials = "".join(f'[[trials]]\nname = "{name}"\n' for name in "ab")
+    trials = "".join(f'[[trials]]\nname = "{name}"\n' for name in names)
     file = tmp_path / "series.toml"
-    file.write_text(f'kind = "series"\nname = "s"\n[common]\n{common}{trials}', encoding="utf-8")
+    file.write_text(f'kind = "series"\nname = "s"\nrepeats = 1\n[common]\n{common}{trials}', encoding="utf-8")
+    return str(file)
+
+
+def test_ctrl_c_after_a_run_while_it_is_judged_ends_the_series_and_the_run_counts(lab, tmp_path, capsys, monkeypatch):
+    def judged(*args):
+        os.kill(os.getpid(), signal.SIGINT)
+        return verdict_of(*args)
+
+    monkeypatch.setattr(session, "verdict_of", judged)
     with lab as addresses:
-        assert main(["operate", str(file), "--check", "--output", str(tmp_path / "runs"), *words(addresses)]) == 0
+        file, folder = series_of("ab", tmp_path), tmp_path / "runs"
+        assert main(["operate", file, "--json", "--output", str(folder), *words(addresses)]) == 1
+    (only,) = json.loads(capsys.readouterr().out)["settings"]
+    assert (only["name"], only["accepted"], only["rejected"]) == ("a", 1, [])
+    assert {path.name for path in (folder / "s").glob("*")} == {"a-1.mcap", "a-1.nc", "repeats.csv"}
+
+
+def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_path, capsys):
+    with lab as addresses:
+        assert (
+            main(
+                ["operate", series_of("ab", tmp_path), "--check", "--output", str(tmp_path / "runs"), *words(addresses)]
+            )
+            == 0
+        )
     assert capsys.readouterr().out.count("All devices are OK.") == 1
     assert not (tmp_path / "runs").exists()
 

@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -85,13 +86,18 @@ def test_its_repeats_are_what_the_report_reads(tmp_path: Path, swum: Trial):
     assert repeat.mean_power == (pytest.approx(50.0),) * 4
 
 
-def test_a_setting_that_is_rejected_too_often_is_given_up_and_the_operator_ends_the_series(tmp_path: Path):
+def test_a_setting_that_is_rejected_too_often_is_given_up(tmp_path: Path):
     done = run_series(small(), tmp_path / "a", lambda o, _: result(o.name, None, "The robot lies elsewhere."))
     assert not done.is_complete
     assert [len(setting.results) for setting in done.settings] == [3, 3]
-    done = run_series(
-        small(), tmp_path / "b", lambda o, _: result(o.name, None, "The run was ended: the operator stopped the run.")
-    )
+
+
+@pytest.mark.parametrize("accepted", [True, False])
+def test_a_key_ends_the_series_even_when_it_is_pressed_after_a_run_that_counts(
+    accepted: bool, tmp_path: Path, swum: Trial
+):
+    stopped = partial(replace, stopped=True)
+    done = run_series(small(), tmp_path, lambda o, _: stopped(result(o.name, swum if accepted else None)))
     assert [len(setting.results) for setting in done.settings] == [1]
 
 

@@ -48,13 +48,13 @@ class Operate(command.Command):
         problem = "" if summary["accepted"] else summary["reason"]
         return command.Outcome(facts=summary, text=session.table(summary), problem=problem, succeeded=not problem)
 
-    def _operate(self, operation: settings.Operation, folder: Path | None) -> Any:
+    def _operate(self, operation: settings.Operation, folder: Path | None) -> session.Result:
         try:
             twin = simulate.plant(operation.body(), operation.pool(), joints="servo")
         except RobotFileError as error:
             raise settings.OperationFileError(f"{self.file}: {error}") from None
         with terminal.Keys() as keys, terminal.Terminal(keys), self._shown(operation) as show:
-            return session.operate(
+            result = session.operate(
                 operation,
                 folder,
                 clock=drivers.Clock(speed=self.speed),
@@ -65,13 +65,13 @@ class Operate(command.Command):
                 text=read_text(self.file),
                 twin=twin,
             )
+        return replace(result, stopped=bool(keys.events))  # also by a key after the run, while its trial was saved
 
     def _checked(self, series: settings.SeriesFile) -> command.Outcome:
         """Check the hardware for a series, each combination of robot and connection once."""
         different = {(one.robot, one.connection): one for one in reversed(list(map(self._chosen, series.trials)))}
         found = [self._operate(one, None).summary() for one in reversed(different.values())]
-        succeeded = all(one["accepted"] for one in found)
-        facts = {"name": series.name, "checked": found}
+        facts, succeeded = {"name": series.name, "checked": found}, all(one["accepted"] for one in found)
         return command.Outcome(facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded)
 
     def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:

@@ -101,7 +101,7 @@ def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
     return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
 
 
-def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | None = None) -> Series:
+def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda *_: None) -> Series:
     """Run every setting until it has all its repeats, or has been rejected too often.
 
     The folder holds the trial (``.nc``) and the recording (``.mcap``) of every run, and ``repeats.csv``, which is
@@ -116,7 +116,7 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
         place: Called before every run with the setting and the number of the run, so that the robot can be placed.
 
     Returns:
-        The outcome. The series ends early if the operator stops a run by key.
+        The outcome. The series ends early if the operator presses a key to stop, even after a run (`Result.stopped`).
 
     Raises:
         StorageFailed: If the table cannot be written.
@@ -130,12 +130,11 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
         for number in range(first, last):
             if len(setting.accepted) >= series.repeats:
                 break
-            if place is not None:
-                place(operation, number)
+            place(operation, number)
             result = run(replace(operation, name=f"{operation.name}-{number}"), folder)
             setting = replace(setting, results=(*setting.results, result))
             _write_repeats(folder, [*settings, setting])
-            if not result.accepted and "the operator" in result.reason:
+            if result.stopped:
                 return Series(file=series, settings=(*settings, setting), folder=folder)
         settings.append(setting)
     _write_repeats(folder, settings)

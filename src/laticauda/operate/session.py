@@ -60,6 +60,8 @@ class Result:
     did."""
     verdict: Verdict | None = None
     """Verdict on the run; None if there was no run, or it was not recorded."""
+    stopped: bool = False
+    """Whether the operator has asked to stop, during the run or after it."""
 
     def summary(self) -> dict[str, Any]:
         """Return the figures of the run by name, ready for JSON."""
@@ -180,7 +182,7 @@ def operate(
             sink.keep(now, (Event(time=now, kind="verdict", message=message, data=verdict.summary()),))
     if verdict is None and path is not None and state.begun is not None:
         state = replace(state, notes=(*state.notes, "The run has not been checked yet: `laticauda replay` does that."))
-    return result_of(operator, state, path, timing, verdict)
+    return replace(result_of(operator, state, path, timing, verdict), stopped=bool(keys.events))
 
 
 def _learner(operator: Operator) -> Learner | None:

@@ -251,6 +251,14 @@ def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message)
     assert not any(isinstance(s, ReferenceSample) for s in run.samples)
 
 
+def test_another_robot_than_that_of_the_file_is_not_started():
+    operator = Operator(operation=operation())
+    run = Run(operator=operator, rig=Rig(robot=lc.load_robot("mamba-modules")), state=operator.init())
+    run.until("done")
+    assert run.state.failure == "Module 18 responds, but the robot has 8: check `robot`."
+    assert run.rig.is_limp
+
+
 def test_a_robot_that_lies_elsewhere_is_not_started():
     run = run_of(Operator(operation=operation(start=Placement(position=(0.0, 1.7), heading=0.1))))
     run.until("done")

@@ -19,7 +19,7 @@ from laticauda.operate.safety.limits import (
 )
 from laticauda.operate.safety.supervisor import BY_EVENT
 from laticauda.operate.settings import Limits
-from laticauda.protocol import Acceleration, Heartbeat, JointState, NodeState
+from laticauda.protocol import Acceleration, Heartbeat, JointState, NodeState, Sync
 
 LIMITS = Limits()
 
@@ -87,7 +87,7 @@ def test_what_a_module_says_of_itself_is_told_before_what_it_does():
 def test_before_any_message_nothing_is_known_and_every_module_is_silent():
     modules = no_reports(3)
     assert modules.n == 3
-    assert not modules.have_reported and not modules.all_active()
+    assert modules.unheard == (1, 2, 3) and not modules.all_active()
     assert modules.is_limp(0.0, 1e9)  # of what is not heard, nothing says that it moves
     assert modules.silent(0.0, 1e9) == (1, 2, 3)
     for name in ("angle", "rate", "current", "torque"):
@@ -119,11 +119,11 @@ def test_messages_count_for_their_module_and_those_of_others_for_none():
     assert first.heartbeat_time.tolist() == [9.0, 2.0]
 
 
-def test_all_have_reported_once_each_has_sent_a_heartbeat_and_an_angle():
+def test_a_node_is_unheard_until_it_has_sent_a_heartbeat_and_an_angle():
     beats = WELL, replace(WELL, node=2)
-    assert modules_that(*beats).have_reported
-    assert not modules_that(*beats, angle=math.nan).have_reported
-    assert not modules_that(WELL, None).have_reported
+    assert modules_that(*beats).unheard == ()
+    assert modules_that(*beats, angle=math.nan).unheard == (2,)
+    assert modules_that(WELL, None).unheard == (2,)
 
 
 def test_limp_is_who_says_so_or_is_not_heard_in_time():
@@ -180,6 +180,17 @@ def test_what_speaks_against_starting_is_said_of_its_module_with_what_to_look_at
     modules = modules_that(SOUND, beat, replace(SOUND, node=3, leak=True))
     found = complaints(modules, max_temperature=60.0, min_voltage=28.0)
     assert found == (*says, "module 3 reports water inside: take the robot out and dry it")
+
+
+def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_robot():
+    angles = {"angle": 0.0, "rate": 0.0, "current": 0.0, "torque": 0.0}
+    modules = modules_that(SOUND, replace(SOUND, node=2))
+    other = updated(modules, [(1.0, JointState(node=18, **angles)), (1.0, Sync(counter=1))])
+    assert complaints(other, max_temperature=60.0, min_voltage=28.0) == (
+        "module 18 responds, but the robot has 2: check `robot`",
+    )
+    same = updated(modules, [(1.0, JointState(node=2, **angles)), (1.0, replace(SOUND, node=1))])
+    assert complaints(same, max_temperature=60.0, min_voltage=28.0) == ()
 
 
 def test_a_robot_that_is_well_and_in_time_breaks_no_limit():

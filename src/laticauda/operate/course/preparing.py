@@ -65,13 +65,9 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
     """Wait until every module, the motion capture and the power meter have been heard."""
     modules, connection = state.modules, operation.connection
     missing: list[str] = []
-    if not modules.have_reported:
-        silent = [
-            str(k + 1)
-            for k, beat in enumerate(modules.heartbeat)
-            if beat is None or not math.isfinite(modules.angle[k])
-        ]
-        which = "no module responds" if len(silent) == modules.n else f"module {', '.join(silent)} does not respond"
+    if unheard := modules.unheard:
+        named = f"module {', '.join(map(str, unheard))} does not respond"
+        which = "no module responds" if len(unheard) == modules.n else named
         missing.append(f"{which} on {connection.bus_address}: check power, cable and node")
     if state.frame_time is None:
         body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"

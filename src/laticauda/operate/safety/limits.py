@@ -35,6 +35,8 @@ class Modules:
     """Last heartbeat of each module."""
     heartbeat_time: Numbers
     """Times at which they arrived; minus infinity before the first [s]."""
+    highest: int = 0
+    """Highest node heard, even beyond those of the robot [-]."""
 
     @property
     def n(self) -> int:
@@ -42,9 +44,10 @@ class Modules:
         return len(self.heartbeat)
 
     @property
-    def have_reported(self) -> bool:
-        """Whether every module has sent a heartbeat and an angle."""
-        return None not in self.heartbeat and bool(np.isfinite(self.angle).all())
+    def unheard(self) -> tuple[int, ...]:
+        """Nodes that have not sent both a heartbeat and an angle yet."""
+        heard = zip(self.heartbeat, self.angle, strict=True)
+        return tuple(k for k, (beat, angle) in enumerate(heard, 1) if beat is None or not math.isfinite(angle))
 
     def is_limp(self, now: float, timeout: float) -> bool:
         """Return whether every module that is heard reports that its motor is off.
@@ -87,12 +90,13 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
 
     Args:
         modules: State before.
-        messages: Arrival time [s] and content of each; those of nodes that the robot does not have are ignored.
+        messages: Arrival time [s] and content of each; nodes that the robot does not have only count for `highest`.
     """
     n = modules.n
     values = {name: getattr(modules, name).copy() for name in (*MEASURED, "angle_time")}
-    beats, beat_times = list(modules.heartbeat), modules.heartbeat_time.copy()
+    beats, beat_times, highest = list(modules.heartbeat), modules.heartbeat_time.copy(), modules.highest
     for time, message in messages:
+        highest = max(highest, getattr(message, "node", 0))
         if isinstance(message, JointState) and message.node <= n:
             k = message.node - 1
             for name in MEASURED:
@@ -101,7 +105,7 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
         elif isinstance(message, Heartbeat) and message.node <= n:
             beats[message.node - 1] = message
             beat_times[message.node - 1] = time
-    return replace(modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times)
+    return replace(modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times, highest=highest)
 
 
 def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) -> tuple[str, ...]:
@@ -113,6 +117,8 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
         min_voltage: Lowest allowed voltage [V].
     """
     found: list[str] = []
+    if modules.highest > modules.n:
+        found.append(f"module {modules.highest} responds, but the robot has {modules.n}: check `robot`")
     for node, beat in enumerate(modules.heartbeat, start=1):
         if beat is None:
             found.append(f"module {node} does not respond: check its power and its bus connection")
