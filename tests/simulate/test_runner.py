@@ -144,5 +144,8 @@ def test_a_plant_is_made_of_names_as_a_swim_is():
     named = lc.plant("mamba", "paper-lateral")
     assert (named.robot, named.environment) == (lc.load_robot("mamba"), lc.load_water("paper-lateral"))
     assert isinstance(lc.plant("mamba", environment="coulomb").environment, lc.Ground)
-    with pytest.raises(ValueError, match="`environment` must be of class Water or Ground, got NoneType"):
-        lc.plant("mamba")
+    assert lc.plant("mamba").environment == lc.load_water("paper-lateral")
+    amphibot = lc.load_robot("amphibot")
+    assert lc.plant(amphibot).environment == lc.load_water("textbook", amphibot)
+    with pytest.raises(ValueError, match="`environment` must be of class Water or Ground, got int"):
+        lc.plant("mamba", 3)  # type: ignore[arg-type]

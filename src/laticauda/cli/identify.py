@@ -40,7 +40,7 @@ class What:
     interval: float = quantity("s", "Time between the fitted samples of a series", gt=0.0, default=0.5)
     columns: File = option("TOML file that describes the columns of a foreign log", default=None)
     table: File = option("CSV file of speeds, a row per trial, with the columns of `reproduce --repeats`", default=None)
-    table1: bool = option("The paper's Table 1 instead of files", default=False)
+    table1: bool = option("The paper's Table 1, alone or beside files", default=False)
     free_start: bool = option("Also identify where the trials began, if path or heading is fitted", default=True)
 
 

@@ -38,7 +38,7 @@ class Film:
         "s", "Time in the trial at which the film begins; its start if omitted", default=None
     )
     end: float | None = quantity("s", "Time in the trial at which the film ends; its end if omitted", default=None)
-    camera: Camera = option("`follow` turns with it, `side` is beside, `top` above, `fixed` sees all", default="follow")
+    camera: Camera = option("`follow`, `side` and `top` turn with the robot; `fixed` sees it all", default="follow")
 
     def span(self, trial: Trial) -> tuple[float, float]:
         """Return the times at which the film begins and ends in a trial [s].
@@ -92,7 +92,7 @@ def look(
         center: Its center of mass [m].
         heading: Heading of the robot [rad].
         aspect: Aspect ratio of the picture, width over height [-].
-        camera: `follow` turns with the robot, `side` is beside it, `top` above, `fixed` stays in place.
+        camera: `follow`, `side` (beside it) and `top` (above) turn with the robot; `fixed` stays in place.
         wide: Minimum width to be seen [m].
     """
     down, aside = DIRECTIONS[camera]

@@ -79,7 +79,7 @@ def scenario(
     instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
     body = robots.load_robot(robot) if isinstance(robot, str | Path) else robot
-    where = default_water(body, gait) if environment is None else environment_of(environment, body)
+    where = environment_of(environment, body, gait)
     if moving and not isinstance(where, robots.Water):
         raise BadArgument("current", "must be given only with a Water, which can move")
     return Scenario(
@@ -149,15 +149,16 @@ def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -
 preset_water = functools.cache(robots.load_water)
 
 
-def environment_of(given: object, robot: robots.Robot) -> Any:
+def environment_of(given: object, robot: robots.Robot, gait: Gait | None = None) -> Any:
     """Load a water or ground by name or path; anything else is returned unchanged, for others to check.
 
     Args:
-        given: The environment as the caller gives it.
+        given: The environment as the caller gives it; None: `default_water`.
         robot: The robot that is to be in it.
+        gait: Gait of its joints, for `default_water`.
     """
     if not isinstance(given, str | Path):
-        return given
+        return default_water(robot, gait) if given is None else given
     if str(given) in robots.ground_names():
         return robots.load_ground(given)
     return (

@@ -23,7 +23,7 @@ def plant(
     Args:
         robot: The scenario, also that of a trial (`Trial.scenario`); or a robot alone, with its environment: a
             `Robot`, the name of a preset, or the path of a file.
-        environment: Where it swims, also by name or path; omitted with a scenario.
+        environment: With a robot: where it swims, also by name or path; None: `laticauda.scenarios.default_water`.
         model: With a robot: the model or its name.
         changes: With a robot: the model's settings; see `laticauda.scenarios.ModelChanges`.
 

@@ -186,6 +186,7 @@ def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_ro
     angles = {"angle": 0.0, "rate": 0.0, "current": 0.0, "torque": 0.0}
     modules = modules_that(SOUND, replace(SOUND, node=2))
     other = updated(modules, [(1.0, JointState(node=18, **angles)), (1.0, Sync(counter=1))])
+    assert (modules.highest, updated(modules, [(0.5, Sync(counter=1))]).highest, other.highest) == (0, 0, 18)
     assert complaints(other, max_temperature=60.0, min_voltage=28.0) == (
         "module 18 responds, but the robot has 2: check `robot`",
     )
