@@ -11,7 +11,7 @@ from laticauda.estimation import Estimate, JointSample, KinematicEstimator, Pose
 from laticauda.kinematics import turn
 from laticauda.operate import Event, Header, OperationLog, spoken, verdict_of
 from laticauda.operate.settings import Acceptance
-from laticauda.operate.verdict import _check, _size, _spread, _step
+from laticauda.operate.verdict import Verdict, _check, _size, _spread, _step
 from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Experiment
 
@@ -206,7 +206,16 @@ def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that
     assert spoken(log, lc.plant)["accepted"]
     said = {"accepted": False, "checks": [], "lines": ["WRONG"]}
     told = Event(time=99.0, kind="verdict", message="", data=said)
-    assert spoken(replace(log, entries=(*log.entries, told)), lc.plant) == said
+    later = replace(told, data=said | {"accepted": True})
+    assert spoken(replace(log, entries=(*log.entries, told, later)), lc.plant) == said
+
+
+def test_the_first_check_that_is_wrong_is_the_reason():
+    limits, times = Acceptance(), [2.0, 3.0]
+    worst = {"angle_jump": 0.0, "swing_error": 9.0, "joint_error": 9.0}
+    checks = (_check(limits, name, 1.0, times, np.array([0.0, value]), "") for name, value in worst.items())
+    found = Verdict(tuple(checks), is_cut=True)
+    assert found.reason == f"The run failed a check: {found.checks[1].says}."
 
 
 class Diverging(PlanarPlant):
