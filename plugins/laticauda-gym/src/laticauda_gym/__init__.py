@@ -1,4 +1,4 @@
-"""Gymnasium environments of swimming robots; importing this registers them.
+"""Gymnasium environments of swimming robots; importing this package registers them.
 
     import gymnasium
     import laticauda_gym
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from laticauda_gym.together import SwimmingParallelEnv as SwimmingParallelEnv
 
 IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")
-"""What Gymnasium calls them."""
+"""Names of the environments in Gymnasium."""
 
 for _id in IDS:
     if _id not in registration.registry:

@@ -1,4 +1,4 @@
-"""Several robots that swim abreast: the task, and the one scene that they are in."""
+"""Several robots that swim abreast: their task, and the scene that they share."""
 
 # pyright: reportPrivateUsage=false
 
@@ -23,7 +23,7 @@ OPEN = Spatial(scene="open")  # pyright: ignore[reportArgumentType]  # its name 
 
 
 class OneScene(School):
-    """Robots of one plant that are in one scene and touch one another. Arguments are those of the base."""
+    """Robots of one plant that share a scene and can touch one another. Arguments as for the base class."""
 
     usual_threads = 1
 
@@ -34,7 +34,7 @@ class OneScene(School):
 
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Any) -> None:
         super()._place(which, center_of_mass, heading, current)
-        self._together.plants = self._bodies  # which know the water of this episode
+        self._together.plants = self._bodies  # these know the water of this episode
         self._together.check(self._states)
 
     def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
@@ -46,12 +46,12 @@ class OneScene(School):
 
 @value
 class Abreast(Steered):
-    """Swim along lines that are side by side, abreast, without touching, in a current that is not seen.
+    """Swim abreast along lines that lie side by side, without touching, in a current that is not observed.
 
         r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + ln(1 + (d/d_1)^2) + P/P_1 + T)
 
-    e is the distance from the robot's own line, d how far it is ahead of the mean of all, T `touch_cost` while it
-    touches something. Actions are what steering adds, and the frequency.
+    e is the distance from the robot's own line, d is its lead over the mean of all robots, and T is `touch_cost` while
+    it touches something. The actions are the offset that steering adds, and the frequency.
 
     Raises:
         ValueError: If a field is out of its range, an offset could take a joint beyond its limit, or there is no scene.
@@ -71,7 +71,7 @@ class Abreast(Steered):
     touch_cost: float = quantity("1/s", "T, cost while a robot touches something", ge=0.0, default=10.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         super().__post_init__()
         check_ends(self, "frequencies")
         model = self.scenario.model
@@ -85,22 +85,22 @@ class Abreast(Steered):
 
     @property
     def shared(self) -> tuple[Range, ...]:
-        """What an episode draws once for all: the current, or what there is to be drawn of the water's flow."""
+        """Quantities drawn once for all robots: the current, or the drawn parameters of the water's flow."""
         return super().draws
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """Where a robot begins, seen from the begin of its line, in which water."""
+        """Start of a robot relative to the start of its line, and the quantities of the water."""
         x, y, heading = self.max_lead, self.max_cross_track_error, self.max_heading
         return ranges(x=(-x, x), y=(-y, y), heading=(-heading, heading)) + self.shared
 
     def origins(self, n: int) -> Float[np.ndarray, "n 2"]:
-        """The lines, from right to left, around the x axis."""
+        """Origins of the lines, from right to left, centered on the x axis."""
         return np.stack((np.zeros(n), self.spacing * (np.arange(n) - 0.5 * (n - 1))), axis=1)
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """Place beside the own line, heading to it, velocity; the lead; the nearest other robot; the gait."""
+        """Position and heading relative to the robot's own line, velocity; lead; nearest other robot; gait."""
         return (
             Sight(name="cross_track_error", of=self._error),
             *BESIDE_THE_PATH[1:],
@@ -113,7 +113,7 @@ class Abreast(Steered):
         )
 
     def reward(self, step: Step) -> Numbers:
-        """Progress along the line, less what `step` cost: distance from it, from the others' middle, power, touch."""
+        """Progress along the line in `step`, minus the costs of distance from it, lead, power and contact."""
         error = log_square(self._error(step), self.cross_track_tolerance)
         lead = log_square(_lead(step), self.lead_tolerance)
         progress = (step.after.x - step.before.x) / self.speed_unit
@@ -125,12 +125,12 @@ class Abreast(Steered):
 
 
 def _lead(step: Step) -> Numbers:
-    """How far each is ahead of the mean of all, along the lines [m]."""
+    """Lead of each robot over the mean of all, along the lines [m]."""
     return step.after.x - step.after.x.mean()
 
 
 def _nearest(step: Step) -> tuple[Numbers, Numbers]:
-    """Where the center of mass of the nearest other robot is, along the own heading and to the left of it [m]."""
+    """Center of mass of the nearest other robot, along each robot's own heading and to the left of it [m]."""
     x = step.after.x - step.after.x[:, np.newaxis]
     y = step.after.y - step.after.y[:, np.newaxis]
     distance = np.hypot(x, y)
@@ -140,5 +140,5 @@ def _nearest(step: Step) -> tuple[Numbers, Numbers]:
 
 
 def _touches(step: Step) -> Numbers:
-    """1 for a robot on which contacts push at the end of the step, else 0."""
+    """1 for a robot with a contact force on it at the end of the step, else 0."""
     return np.array([float(np.any(one.contact_force)) for one in step.after.observations])

@@ -1,4 +1,4 @@
-"""The door of stable-baselines3: many robots in lanes as the vector environment that its learners take."""
+"""Interface to stable-baselines3: many robots in lanes, as the vector environment that its learners expect."""
 
 # pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
 # pyright: reportUntypedBaseClass=false, reportUnknownArgumentType=false
@@ -13,18 +13,19 @@ from laticauda_gym.packages import needed
 
 needed("Learning with stable-baselines3", "stable-baselines3", "stable_baselines3")
 
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv  # noqa: E402 - first it is said where it comes from
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv  # noqa: E402 - report a missing package first
 
 
 class StableBaselines(VecEnv):
-    """What stable-baselines3 sees of an environment with many lanes.
+    """An environment with many lanes, as stable-baselines3 sees it.
 
     Args:
-        envs: Made with ``autoreset_mode="SameStep"``, which is how stable-baselines3 goes from one episode to the next.
+        envs: Environment made with ``autoreset_mode="SameStep"``, the way in which stable-baselines3 goes from one
+            episode to the next.
 
     Raises:
-        ValueError: If they were not.
-        NotInstalled: Where this module is imported without stable-baselines3.
+        ValueError: If it was made otherwise.
+        NotInstalled: When this module is imported without stable-baselines3.
 
     Example:
         ``PPO("MlpPolicy", StableBaselines(SwimmingVectorEnv(64, autoreset_mode="SameStep")), seed=0)``
@@ -40,7 +41,7 @@ class StableBaselines(VecEnv):
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> np.ndarray:
-        """Begin an episode in every lane, with the seeds that `seed` left."""
+        """Begin an episode in every lane, with the seeds that `seed` has set."""
         observation, _ = self.envs.reset(seed=self._seeds)
         self._reset_seeds()
         return observation
@@ -50,7 +51,7 @@ class StableBaselines(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Let one interval go by: observations, rewards, whether episodes are over, infos of those that are."""
+        """Simulate one interval; return observations, rewards, whether episodes are over, infos of those that are."""
         observation, reward, terminated, truncated, info = self.envs.step(self._actions)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for lane in np.flatnonzero(terminated | truncated):
@@ -59,15 +60,15 @@ class StableBaselines(VecEnv):
         return observation, reward, terminated | truncated, infos
 
     def get_images(self) -> list[Any]:
-        """A picture of every lane."""
+        """Return a picture of every lane."""
         return list(self.envs.render())
 
     def close(self) -> None:
-        """Let threads go."""
+        """Release the threads."""
         self.envs.close()
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute of the environment, which its lanes share. Arguments as for `VecEnv`."""
+        """Return an attribute of the environment, which all lanes share. Arguments as for `VecEnv`."""
         return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
@@ -87,5 +88,5 @@ class StableBaselines(VecEnv):
         raise BadArgument(method_name, "must be called on `envs`: its lanes are not separate environments")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """They never are. Arguments as for `VecEnv`."""
+        """No lane is ever wrapped. Arguments as for `VecEnv`."""
         return [False for _ in self._get_indices(indices)]

@@ -1,4 +1,4 @@
-"""What Gymnasium makes: an environment with one robot, and one with many in lanes. Both are `Episodes`."""
+"""Environments that Gymnasium makes: one with a single robot, one with many in lanes. Both use `Episodes`."""
 
 # pyright: reportMissingTypeArgument=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
@@ -22,16 +22,16 @@ from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
 TaskType = TypeVar("TaskType", bound=Swimming)
 OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(scenarios.Changes))
-"""What may be given of the scenario, by name."""
+"""Names of the scenario's arguments that may be given."""
 NOT_BEGUN = "`reset` must be called before the first `step`."
 
 
 def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
-    """A task by its name and its fields, or as it is.
+    """Return a task from its name and its fields, or as it is.
 
     Args:
         task: The name, or the task itself.
-        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
 
     Raises:
         ValueError: If there is no such task or field, or a field is out of its range.
@@ -44,10 +44,10 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
 
 
 def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
-    """A task by its fields.
+    """Return a task from its fields.
 
     Args:
-        kind: Of the task.
+        kind: Class of the task.
         settings: As for `task_of`.
 
     Raises:
@@ -62,21 +62,21 @@ def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
 
 
 def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
-    """Of observations and of actions of one robot.
+    """Return the spaces of the observations and of the actions of one robot.
 
     Args:
-        task: What it is to do.
+        task: Task of the robot.
     """
     sees = gymnasium.spaces.Box(-BOUND, BOUND, (len(task.sights),), np.float64)
     return sees, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float64)
 
 
 def checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
-    """Actions as an array.
+    """Return actions as an array.
 
     Args:
-        actions: What was given.
-        shape: That they must have.
+        actions: Actions as given.
+        shape: Shape that they must have.
 
     Raises:
         ValueError: If they have another shape or are not finite.
@@ -92,13 +92,13 @@ def checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
 
 
 class _Tasked:
-    """A task's episodes, and what is shown of the robots: nothing, or with the `render_mode` rgb_array pictures.
+    """Episodes of a task, and pictures of the robots if the `render_mode` is rgb_array.
 
     Raises:
-        ValueError: If it is another one.
+        ValueError: If the `render_mode` is another one.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012 - of the class, for Gymnasium
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012 - as Gymnasium expects
     render_mode: str | None
     _studio: Any = None
 
@@ -118,7 +118,7 @@ class _Tasked:
         return self._studio.picture(posture_of(school.plant, school.state(lane)))
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Let go of threads, and of what pictures were taken with; `kwargs`, of Gymnasium, mean nothing here."""
+        """Release the threads and the resources of the pictures; Gymnasium's `kwargs` have no effect here."""
         self.episodes.school.close()
         if self._studio is not None:
             self._studio.close()
@@ -126,12 +126,12 @@ class _Tasked:
 
 
 class SwimmingEnv(_Tasked, gymnasium.Env):
-    """One robot at a task.
+    """One robot that performs a task.
 
     Args:
-        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
+        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of your own.
         render_mode: rgb_array, or None for no pictures.
-        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -150,14 +150,14 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         """Begin an episode.
 
         Args:
-            seed: Of what the episodes from now on draw; None: go on.
-            options: What is not to be drawn, by its name in the task's `draws` [SI].
+            seed: Seed of all draws from this episode on; None: continue the random sequence.
+            options: Values of quantities that are not to be drawn, by their names in the task's `draws` [SI].
 
         Returns:
-            The observation, and where the robot is in SI units.
+            The observation, and where the robot is, in SI units.
 
         Raises:
-            ValueError: If an option is unknown or no finite number.
+            ValueError: If an option is unknown or not a finite number.
         """
         super().reset(seed=seed)
         self.episodes.begin(np.array([True]), [self.np_random], options)
@@ -165,13 +165,13 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         return self.episodes.seen[0], self._info(0.0)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Let one interval go by.
+        """Simulate one interval.
 
         Args:
-            action: What is asked for, from -1 to 1 [-].
+            action: Action from -1 to 1 [-].
 
         Returns:
-            Observation, reward, whether the motion has diverged, whether the time is over, where the robot is.
+            Observation, reward, whether the motion has diverged, whether the time is up, and where the robot is.
 
         Raises:
             ValueError: If the action has another shape or is not finite.
@@ -183,11 +183,11 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
 
     def render(self) -> np.ndarray | None:
-        """The robot as it is, seen from beside: red, green and blue of every pixel; None without a `render_mode`."""
+        """Return a picture of the robot from the side: red, green and blue per pixel; None without a `render_mode`."""
         return self._picture(0)
 
     def close(self) -> None:
-        """Let go of what pictures were taken with."""
+        """Release the resources of the pictures."""
         self.close_extras()
 
     def _info(self, power: float) -> dict[str, Any]:
@@ -202,12 +202,12 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
     that seed does, to the last bit.
 
     Args:
-        num_envs: How many.
-        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
-        autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
-        threads: That march them; None: one for planar robots, one for every core for those in space.
+        num_envs: Number of robots.
+        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of your own.
+        autoreset_mode: When the next episode replaces one that is over: `NextStep`, `SameStep` or `Disabled`.
+        threads: Number of threads that simulate them; None: one for planar robots, one per core for spatial ones.
         render_mode: rgb_array, or None for no pictures.
-        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -238,18 +238,18 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode in every lane, or in those that ``options["reset_mask"]`` says.
+        """Begin an episode in every lane, or in those that ``options["reset_mask"]`` selects.
 
         Args:
-            seed: Lane i gets seed + i; or one for each lane; None: go on.
-            options: What is not to be drawn, by its name in the task's `draws` [SI], each a number or one for each
-                lane; and `reset_mask`, a truth value for each.
+            seed: One seed, to which lane i adds i, or one seed per lane; None: continue the random sequences.
+            options: Values of quantities that are not to be drawn, by their names in the task's `draws` [SI], each one
+                number or one per lane; and `reset_mask`, one boolean per lane.
 
         Returns:
-            The observations, and where the robots are in SI units.
+            The observations, and where the robots are, in SI units.
 
         Raises:
-            ValueError: If an argument does not fit.
+            ValueError: If an argument is invalid.
         """
         given = dict(options or {})
         which = self._mask(given.pop("reset_mask", np.full(self.num_envs, True)))
@@ -264,17 +264,17 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         return self._observation.copy(), self._infos(np.zeros(self.num_envs))
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Let one interval go by in every lane.
+        """Simulate one interval in every lane.
 
         Args:
-            actions: What each is asked for, from -1 to 1; one row per lane [-].
+            actions: Actions from -1 to 1, one row per lane [-].
 
         Returns:
             As for `SwimmingEnv`, with one row or entry per lane.
 
         Raises:
-            ValueError: If the actions have another shape or are not finite, or an episode is over and nobody began the
-                next one.
+            ValueError: If the actions have another shape or are not finite, or an episode is over and the next one
+                has not been started.
         """
         if not self._generators:
             raise ResetNeeded(NOT_BEGUN)
@@ -291,7 +291,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
                 infos = self._finals(done.power)
                 self._begin(self._is_over, {})
         else:
-            # What those did that were over already does not count: this step is their reset.
+            # In lanes whose episode was already over, the step does not count: it is their reset.
             reward, terminated, truncated = (np.where(waiting, 0, each) for each in (reward, terminated, truncated))
             terminated, truncated = terminated.astype(bool), truncated.astype(bool)
             self._begin(waiting, {})
@@ -300,7 +300,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         return self._observation.copy(), reward, terminated, truncated, self._infos(power) | infos
 
     def render(self) -> tuple[np.ndarray | None, ...]:
-        """A picture of every robot, as for `SwimmingEnv`."""
+        """Return a picture of every robot, as for `SwimmingEnv`."""
         return tuple(self._picture(lane) for lane in range(self.num_envs))
 
     def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:
@@ -312,7 +312,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
             self._is_over = self._is_over & ~which
 
     def _finals(self, power: np.ndarray) -> dict[str, Any]:
-        """What Gymnasium wants to know of episodes whose end is not in the observations."""
+        """Return what Gymnasium expects about episodes whose end is not in the observations."""
         over = self._is_over
         finals = np.full(self.num_envs, None, dtype=object)
         for lane in np.flatnonzero(over):

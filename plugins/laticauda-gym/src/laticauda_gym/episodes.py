@@ -1,7 +1,7 @@
-"""Episodes of one task in any number of lanes, and controllers that steer them; knows nothing of Gymnasium.
+"""Episodes of one task in any number of lanes, and controllers that steer them; independent of Gymnasium.
 
-Every lane has a generator of random numbers of its own, so that what happens in it depends on its seed and its actions
-alone: the n-th lane of many does what a single one does that was given its seed.
+Every lane has its own random number generator, so what happens in it depends only on its seed and its actions: the n-th
+of many lanes does what a single lane with the same seed does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,33 +18,33 @@ from laticauda.simulate.plants import school_of
 from laticauda_gym.swimming import FLOW, Step, Swimming
 
 BOUND = 10.0
-"""Numbers of an observation are cut off there [-]."""
+"""Numbers of an observation are clipped at plus and minus this value [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
-    """What a step leaves behind, one entry per lane."""
+    """Result of a step, one entry per lane."""
 
     observation: Float[np.ndarray, "n n_sights"]
-    """In the units of the task's `sights`, cut off at `BOUND` [-]."""
+    """Observations in the units of the task's `sights`, clipped at `BOUND` [-]."""
     reward: Float[np.ndarray, " n"]
-    """[-]."""
+    """Rewards [-]."""
     terminated: Bool[np.ndarray, " n"]
     """Whether the motion has diverged."""
     truncated: Bool[np.ndarray, " n"]
-    """Whether the episode's time is over."""
+    """Whether the episode's time is up."""
     power: Float[np.ndarray, " n"]
-    """Mean over the interval [W]."""
+    """Mean power over the interval [W]."""
 
 
 class Episodes:
-    """Robots that are at a task, each in an episode of its own.
+    """Robots that perform a task, each in its own episode.
 
     Args:
-        task: What they are to do.
-        n: How many.
-        threads: That march them; None: one for planar robots, one for every core for those in space.
-        school: What they are to one another; None: each is in water of its own.
+        task: Task of the robots.
+        n: Number of robots.
+        threads: Number of threads that simulate them; None: one for planar robots, one per core for spatial ones.
+        school: Kind of school that they form; None: each is in its own water.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -56,32 +56,32 @@ class Episodes:
         self.task = task
         make = school or school_of
         self.school = make(task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads)
-        """Who is at the task; its `plant` is what each of them is."""
+        """The robots; its `plant` is the plant of each."""
         self.n = self.school.n
-        """How many lanes there are."""
+        """Number of lanes."""
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
         self._sights = task.sights
         self._units = np.array([sight.unit for sight in self._sights])
         self.middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
-        """What actions of 0 ask for; steering adds to the offset that the gait has."""
+        """What actions of 0 command; steering adds to the gait's own offset."""
         self.middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
         self.half = np.array([0.5 * (action.high - action.low) for action in task.actions])
         """What actions of 1 add."""
 
     @property
     def motion(self) -> Motion:
-        """How they move now."""
+        """Motion of the robots now."""
         return self.school.motion
 
     @property
     def drawn(self) -> dict[str, Float[np.ndarray, " n"]]:
-        """What the episodes have drawn, by name [SI]."""
+        """Quantities that the episodes have drawn, by name [SI]."""
         return {name: values.copy() for name, values in self._drawn.items()}
 
     @property
     def seen(self) -> Float[np.ndarray, "n n_sights"]:
-        """What is observed where nothing has happened yet; for lanes that have just begun."""
+        """Observations before anything has happened, for lanes whose episodes have just begun."""
         return self._observed(self._step(self.motion))
 
     def begin(
@@ -90,15 +90,15 @@ class Episodes:
         generators: Sequence[np.random.Generator],
         given: Mapping[str, Any] | None = None,
     ) -> None:
-        """Let some lanes begin another episode.
+        """Begin another episode in some lanes.
 
         Args:
-            which: These.
-            generators: Of random numbers, one for each lane.
-            given: What is not to be drawn, by its name: a number, or one for each lane [SI].
+            which: Whether each lane begins one.
+            generators: Random number generators, one per lane.
+            given: Values of quantities that are not to be drawn, by name: one number, or one per lane [SI].
 
         Raises:
-            ValueError: If the task draws nothing of such a name, or a value is no finite number.
+            ValueError: If the task draws no quantity of such a name, or a value is not a finite number.
         """
         fixed = self._fixed(given or {})
         lanes = np.flatnonzero(which)
@@ -122,15 +122,15 @@ class Episodes:
         self._n_steps[lanes] = 0
 
     def _flow(self, lane: int) -> robot.Current:
-        """That of the water in a lane."""
+        """Return the current of the water in a lane."""
         numbers = {name: values[lane].item() for name, values in self._drawn.items() if name.startswith(FLOW)}
         return self.task.current(numbers)
 
     def step(self, actions: Float[np.ndarray, "n n_actions"]) -> Outcome:
-        """One interval.
+        """Simulate one interval.
 
         Args:
-            actions: What is asked for, from -1 to 1; what is beyond that is cut off [-].
+            actions: Actions from -1 to 1; values outside are clipped [-].
         """
         asked = self.middle + self.half * np.clip(actions, -1.0, 1.0)
         self.school.tell({action.name: asked[:, i] for i, action in enumerate(self.task.actions)})
@@ -165,14 +165,14 @@ class Episodes:
 
 
 class Pilots:
-    """One controller per lane, each asked at every step, as `laticauda.run` would ask it.
+    """One controller per lane, each called at every step as `laticauda.run` would call it.
 
     Args:
-        controller: What decides; the lanes do not share its state.
-        episodes: Of an environment, `env.unwrapped.episodes`; its robots are looked at as `laticauda.run` does.
+        controller: Controller of every lane; the lanes do not share its state.
+        episodes: Episodes of an environment, `env.unwrapped.episodes`; its robots are observed as in `laticauda.run`.
 
     Raises:
-        ValueError: If its control interval is not that of the task.
+        ValueError: If the interval of the controller is not that of the task.
     """
 
     def __init__(self, controller: interfaces.Controller[Any], episodes: Episodes) -> None:
@@ -183,7 +183,7 @@ class Pilots:
         self._states = [controller.init() for _ in range(episodes.n)]
 
     def actions(self) -> np.ndarray:
-        """What they ask for now, one row per lane; in an episode that has just begun the pilot knows nothing yet."""
+        """Return their next actions, one row per lane; in an episode that has just begun, the pilot's state is new."""
         episodes, time = self._episodes, self._episodes.motion.time
         asked = np.zeros((episodes.n, len(episodes.task.actions)))
         for lane in range(episodes.n):

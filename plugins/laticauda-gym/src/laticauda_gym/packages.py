@@ -1,4 +1,4 @@
-"""Packages that are needed by a part alone: of these environments, or of what stands on them."""
+"""Packages that only a part needs: a part of these environments, or of what is built on them."""
 
 from importlib import import_module
 from typing import Any
@@ -7,19 +7,19 @@ from laticauda.errors import LaticaudaError
 
 
 class NotInstalled(LaticaudaError, ImportError):
-    """A package that is needed and not there; the message says how to get it."""
+    """A required package that is not installed; the message says how to install it."""
 
 
 def needed(feature: str, package: str, module: str | None = None) -> Any:
-    """A module that may not be installed.
+    """Return a module that may not be installed.
 
     Args:
-        feature: What needs it, in words.
-        package: As an installer knows it.
-        module: As it is imported; None: the package's name.
+        feature: What needs the module, in words.
+        package: Name of the package for an installer.
+        module: Name of the module for an import; None: the package's name.
 
     Raises:
-        NotInstalled: If it is not.
+        NotInstalled: If it is not installed.
     """
     try:
         return import_module(module or package)

@@ -1,4 +1,4 @@
-"""The tasks: follow a line in a current, swim at a speed with the least power, stay where one is."""
+"""The tasks: follow a line in a current, swim at a given speed with the least power, stay in place."""
 
 import math
 
@@ -20,7 +20,7 @@ BESIDE_THE_PATH = (
     ALONG,
     ACROSS,
 )
-"""What tells of the place beside the path, the heading to it, and the velocity over ground."""
+"""Position and heading relative to the path, and velocity over ground."""
 PHASE = (
     Sight(name="sin_phase", of=lambda step: np.sin(step.after.phase)),
     Sight(name="cos_phase", of=lambda step: np.cos(step.after.phase)),
@@ -28,19 +28,19 @@ PHASE = (
 
 
 def log_square(value: Numbers, tolerance: float) -> Numbers:
-    """ln(1 + (x/a)^2): (x/a)^2 for small x; from there on ten times the distance costs 4.6 more, wherever it is [-]."""
+    """ln(1 + (x/a)^2): (x/a)^2 for small x; for large x, ten times the distance always costs 4.6 more [-]."""
     return np.log1p((value / tolerance) ** 2)
 
 
 def check_ends(task: Swimming, *names: str) -> None:
-    """Refuse fields that are two ends, of which the lower one does not come first, or the upper one is not positive.
+    """Refuse fields with two ends if the lower one does not come first or the upper one is not positive.
 
     Args:
-        task: Whose fields.
-        names: Of the fields.
+        task: Task that has the fields.
+        names: Names of the fields.
 
     Raises:
-        ValueError: If there is one.
+        ValueError: If there is such a field.
     """
     for name in names:
         (low, high), unit = getattr(task, name), quantities_of(type(task))[name].unit
@@ -51,7 +51,7 @@ def check_ends(task: Swimming, *names: str) -> None:
 
 @value
 class Steered(Swimming):
-    """A robot whose offset steers it, in a current that is not seen.
+    """A robot that is steered by its offset, in a current that is not observed.
 
     Raises:
         ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
@@ -62,7 +62,7 @@ class Steered(Swimming):
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=100.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         super().__post_init__()
         refuse_offset(self.scenario.robot, self.gait, self.max_offset)
 
@@ -73,7 +73,7 @@ class Steered(Swimming):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """The current, or what there is to be drawn of the water's flow."""
+        """The current, or the drawn parameters of the water's flow."""
         if self.flow is not None:
             return self.flow_draws
         return ranges(current_speed=(0.0, self.max_current), current_direction=(-math.pi, math.pi))
@@ -86,7 +86,7 @@ class Steered(Swimming):
 
 @value
 class PathFollowing(Steered):
-    """Follow the x axis, in a current that is not seen; the action is what steering adds, as for line of sight.
+    """Follow the x axis in an unobserved current; the action is the offset that steering adds, as for line of sight.
 
         r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + P/P_1)
 
@@ -101,17 +101,17 @@ class PathFollowing(Steered):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """Where an episode begins, in which water."""
+        """Start and water of an episode."""
         y, heading = self.max_cross_track_error, self.max_heading
         return ranges(y=(-y, y), heading=(-heading, heading)) + super().draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """Place beside the path, heading to it, velocity over ground; phase and offset of the gait."""
+        """Position and heading relative to the path, velocity over ground; phase and offset of the gait."""
         return (*BESIDE_THE_PATH, *super().sights)
 
     def reward(self, step: Step) -> Numbers:
-        """Progress along the path, less what distance from it and power cost in `step`."""
+        """Progress along the path in `step`, minus the costs of distance from it and of power."""
         progress = (step.after.x - step.before.x) / self.speed_unit
         error = log_square(step.after.y, self.cross_track_tolerance)
         return progress - step.interval * (error + step.power / self.power_unit)
@@ -119,11 +119,11 @@ class PathFollowing(Steered):
 
 @value
 class Efficiency(Swimming):
-    """Swim at the speed that is asked for with the least power, in still water; the actions are the gait.
+    """Swim at the requested speed with the least power, in still water; the actions are the gait.
 
         r = -h (((u - v)/v_1)^2 + P/P_1)
 
-    u is what the center of mass covers in the interval along the mean heading, divided by the interval.
+    u is the displacement of the center of mass in the interval along the mean heading, divided by the interval.
 
     Raises:
         ValueError: If a field is out of its range, or the amplitude could take a joint beyond its limit.
@@ -137,7 +137,7 @@ class Efficiency(Swimming):
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         super().__post_init__()
         check_ends(self, "amplitudes", "phase_shifts", "frequencies", "speeds")
         chain = self.scenario.robot.planar()
@@ -157,12 +157,12 @@ class Efficiency(Swimming):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """The speed asked for."""
+        """The requested speed."""
         return ranges(speed_ref=self.speeds) + self.flow_draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """The speed asked for and the speed there is, the power, and the gait as the generator has it."""
+        """The requested speed, the actual speed, the power, and the gait that the generator has reached."""
         return (
             Sight(name="speed_ref", of=lambda step: step.drawn["speed_ref"], unit=0.1),
             Sight(name="speed", of=_speed, unit=0.1),
@@ -176,13 +176,13 @@ class Efficiency(Swimming):
         )
 
     def reward(self, step: Step) -> Numbers:
-        """What error of the speed and power cost in `step`."""
+        """Cost of the speed error and of the power in `step`, negative."""
         error = (_speed(step) - step.drawn["speed_ref"]) / self.speed_tolerance
         return -step.interval * (error * error + step.power / self.power_unit)
 
 
 def _speed(step: Step) -> Numbers:
-    """u of a step [m/s]."""
+    """Speed u in a step [m/s]."""
     heading = 0.5 * (step.before.heading + step.after.heading)
     x, y = step.after.x - step.before.x, step.after.y - step.before.y
     return (np.cos(heading) * x + np.sin(heading) * y) / step.interval
@@ -190,7 +190,7 @@ def _speed(step: Step) -> Numbers:
 
 @value
 class StationKeeping(Steered):
-    """Stay at the origin in a current that is not seen; the actions are what steering adds, and the frequency.
+    """Stay at the origin in an unobserved current; the actions are the offset that steering adds, and the frequency.
 
         r = -h (ln(1 + (d/d_1)^2) + P/P_1)
 
@@ -203,7 +203,7 @@ class StationKeeping(Steered):
     distance_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         super().__post_init__()
         check_ends(self, "frequencies")
 
@@ -214,13 +214,13 @@ class StationKeeping(Steered):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """Where an episode begins, in which water."""
+        """Start and water of an episode."""
         place = -self.max_distance, self.max_distance
         return ranges(x=place, y=place, heading=(-math.pi, math.pi)) + super().draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """Where the origin is seen, velocity over ground; phase, frequency and offset of the gait."""
+        """Origin as seen from the robot, velocity over ground; phase, frequency and offset of the gait."""
         return (
             Sight(name="origin_along", of=lambda step: _origin(step)[0]),
             Sight(name="origin_across", of=lambda step: _origin(step)[1]),
@@ -233,7 +233,7 @@ class StationKeeping(Steered):
         )
 
     def reward(self, step: Step) -> Numbers:
-        """What distance and power cost in `step`."""
+        """Cost of the distance and of the power in `step`, negative."""
         distance = log_square(np.hypot(step.after.x, step.after.y), self.distance_tolerance)
         return -step.interval * (distance + step.power / self.power_unit)
 

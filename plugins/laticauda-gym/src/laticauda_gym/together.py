@@ -1,4 +1,4 @@
-"""The door of PettingZoo: several robots in one scene, which see and touch one another, each an agent of its own."""
+"""Interface to PettingZoo: several robots in one scene, which see and touch one another, each a separate agent."""
 
 # pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
 # pyright: reportUntypedBaseClass=false, reportUnknownArgumentType=false
@@ -19,19 +19,19 @@ from laticauda_gym.packages import needed
 
 needed("Learning with PettingZoo", "pettingzoo")
 
-from pettingzoo import ParallelEnv  # noqa: E402 - first it is said where it comes from
+from pettingzoo import ParallelEnv  # noqa: E402 - report a missing package first
 
 
 class SwimmingParallelEnv(ParallelEnv):
-    """Several robots that swim abreast in one scene; a parallel environment of PettingZoo.
+    """Several robots that swim abreast in one scene; a PettingZoo parallel environment.
 
     Agents are `robot_0`, the rightmost one, `robot_1` and so on. They begin and end at the same time: if one of them
     diverges, the episode is over for all.
 
     Args:
-        n_robots: How many.
-        task: What they are to do; None: `Abreast` with the `settings`.
-        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
+        n_robots: Number of robots.
+        task: Task of the robots; None: `Abreast` with the `settings`.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -55,11 +55,11 @@ class SwimmingParallelEnv(ParallelEnv):
         self._generators: list[np.random.Generator] = []
 
     def observation_space(self, agent: str) -> Box:
-        """Of one agent: that of all."""
+        """Return the observation space of an `agent`, which is the same for all."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Box:
-        """Of one agent: that of all."""
+        """Return the action space of an `agent`, which is the same for all."""
         return self.action_spaces[agent]
 
     def reset(
@@ -68,15 +68,15 @@ class SwimmingParallelEnv(ParallelEnv):
         """Begin an episode.
 
         Args:
-            seed: Of what the episodes from now on draw; None: go on.
-            options: What is not to be drawn, by its name in the task's `draws`, a number or one for each robot [SI];
-                others are left out with a warning, as PettingZoo's own test hands some in.
+            seed: Seed of all draws from this episode on; None: continue the random sequence.
+            options: Values of quantities that are not to be drawn, by their names in the task's `draws`, one number or
+                one per robot [SI]; others are ignored with a warning, because PettingZoo's own test passes some.
 
         Returns:
-            Observations, and where the robots are in SI units, by agent.
+            Observations, and where the robots are, in SI units; by agent.
 
         Raises:
-            ValueError: If an option is no finite number, or robots would begin in one another.
+            ValueError: If an option is not a finite number, or robots would overlap at the start.
         """
         if seed is not None or not self._generators:
             self._generators = np_random(seed)[0].spawn(self.episodes.n)
@@ -91,13 +91,13 @@ class SwimmingParallelEnv(ParallelEnv):
         return self._by_agent(self.episodes.seen), self._infos(np.zeros(self.episodes.n))
 
     def step(self, actions: dict[str, np.ndarray]) -> tuple[dict[str, Any], ...]:
-        """Let one interval go by.
+        """Simulate one interval.
 
         Args:
-            actions: What is asked for, from -1 to 1, by agent [-].
+            actions: Actions from -1 to 1, by agent [-].
 
         Returns:
-            Observations, rewards, whether the motion has diverged, whether the time is over, where the robots are; by
+            Observations, rewards, whether the motion has diverged, whether the time is up, and where the robots are; by
             agent.
 
         Raises:
@@ -116,10 +116,10 @@ class SwimmingParallelEnv(ParallelEnv):
         return found
 
     def render(self) -> None:
-        """Nothing is drawn."""
+        """Draw nothing."""
 
     def close(self) -> None:
-        """Let threads go."""
+        """Release the threads."""
         self.episodes.school.close()
 
     def _by_agent(self, values: Any) -> dict[str, Any]:
@@ -132,4 +132,4 @@ class SwimmingParallelEnv(ParallelEnv):
 
 
 parallel_env = SwimmingParallelEnv
-"""What modules of PettingZoo call theirs."""
+"""Name of the environment in any PettingZoo module."""

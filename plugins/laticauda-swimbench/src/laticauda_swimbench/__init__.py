@@ -1,4 +1,4 @@
-"""SwimBench: fixed scenarios of swimming, scores with the energy in them, and baselines.
+"""SwimBench: fixed swimming scenarios, scores that include energy, and baselines.
 
 import laticauda_swimbench as swimbench
 env = swimbench.make("path")          # a Gymnasium environment

@@ -1,4 +1,4 @@
-"""`swimbench`: score policies, print the table, and make what the benchmark is made of anew."""
+"""`swimbench`: score policies, print the table, and regenerate what the benchmark is made of."""
 
 import sys
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ class List(Command):
     """List the scenarios and the baselines."""
 
     def run(self) -> Outcome:
-        """Look at both."""
+        """Collect both."""
         from laticauda_swimbench.methods import NUMBERS
 
         scenarios = [challenge(name) for name in CHALLENGES]
@@ -62,7 +62,7 @@ class Score(Command):
         for name in self.scenarios:
             one_of("scenarios", name, CHALLENGES)
         methods, missing = dict[str, Method](), list[str]()
-        for text in self.policies or NUMBERS:  # all are refused before the first one is scored
+        for text in self.policies or NUMBERS:  # refuse a bad one before the first is scored
             try:
                 methods[text] = method(text, self.scenarios)
             except NotInstalled as lack:
@@ -82,7 +82,7 @@ class Score(Command):
 
 
 def _file_name(policy: str) -> str:
-    """A policy's file without folder and ending; of module:name both."""
+    """Return a policy's file name without folder and extension, or both parts of module:name."""
     stem = Path(policy).stem if Path(policy).suffix in (".onnx", ".npz") else policy
     return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
 
@@ -98,7 +98,7 @@ class Table(Command):
     baselines: bool = option("Include the baselines' own score files", default=False)
 
     def run(self) -> Outcome:
-        """Read them."""
+        """Read the files."""
         from laticauda_swimbench.scoring import read_scores
         from laticauda_swimbench.table import row, table
 
@@ -148,7 +148,7 @@ class Search(Command):
     evaluations: int = quantity("", "Number of passes over all tuning episodes", ge=1, default=120)
 
     def run(self) -> Outcome:
-        """Search, and swim the scored episodes with what was found."""
+        """Search, then swim the scored episodes with the result."""
         from laticauda_swimbench.search import ends, search
 
         whole("evaluations", self.evaluations, 1)
@@ -172,7 +172,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the program.
 
     Args:
-        args: The words behind the program's name; None takes those of this process.
+        args: Words after the program's name; None takes those of this process.
 
     Returns:
         The exit status: 0 success, 2 bad input, 130 stopped by the user.
@@ -185,7 +185,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         chosen = COMMANDS[one_of("command", words[0], tuple(COMMANDS))]
         return read(chosen, words[1:], f"{PROGRAM} {words[0]}")()
-    except SystemExit as end:  # tyro printed its help or its complaint
+    except SystemExit as end:  # tyro has printed its help or an error
         return end.code if isinstance(end.code, int) else 2
     except KeyboardInterrupt:
         print(f"{PROGRAM}: stopped.", file=sys.stderr)

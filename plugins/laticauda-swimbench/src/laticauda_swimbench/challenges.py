@@ -1,8 +1,8 @@
-"""The scenarios of SwimBench: one file each, in which everything is fixed.
+"""The scenarios of SwimBench: one file each, which fixes everything.
 
-A file says its `scenario_version` and its `seeds`, under `task` the fields of `Swim`, under `swims` the scenario of
-laticauda with all its numbers, and between which two numbers of J the score goes from 0 to 1. A change of
-anything but words is a new version; the SHA-256 of the file stands in every score file.
+A file states its `scenario_version` and its `seeds`, the fields of `Swim` under `task`, the laticauda scenario with all
+its numbers under `swims`, and the two values of J between which the score goes from 0 to 1. Any change except in
+wording makes a new version; every score file contains the SHA-256 of the scenario file.
 """
 
 import hashlib
@@ -24,8 +24,8 @@ from laticauda_swimbench.task import Swim
 
 FOLDER = Path(__file__).parent / "scenarios"
 CHALLENGES = ("speed", "economy", "path", "disturbance", "broken")
-"""Their names, in the order of the table."""
-NOTHING = 1e-9  # what a motor that is off has left, in its own units: a law wants numbers above 0
+"""Names of the scenarios, in the order of the table."""
+NOTHING = 1e-9  # remainder of a motor that is off, in the unit of each field: a law needs positive numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,33 +33,33 @@ class Challenge:
     """A scenario of the benchmark."""
 
     name: str
-    """As in `CHALLENGES`."""
+    """Name, as in `CHALLENGES`."""
     version: int
-    """Of the file."""
+    """Version of the file."""
     description: str
-    """One line about it."""
+    """Description in one line."""
     sha256: str
-    """Of the file."""
+    """SHA-256 of the file."""
     seeds: tuple[int, ...]
-    """One for each episode that is scored."""
+    """Seeds, one per scored episode."""
     tasks: tuple[Swim, ...]
-    """What is to be done; where there are several, they take turns with the seeds."""
+    """Tasks; if there are several, the seeds go to them in turn."""
     baseline: float
-    """J that is a score of 0 [m/s]."""
+    """J that gives a score of 0 [m/s]."""
     reference: float
-    """J that is a score of 1 [m/s]."""
+    """J that gives a score of 1 [m/s]."""
     laws: Mapping[str, Any]
-    """The numbers of the reference."""
+    """Numbers of the reference."""
 
     def score(self, objective: float) -> float:
-        """s = (J - J_0) / (J_1 - J_0), of an objective J [m/s]."""
+        """Return the score (J - J_0) / (J_1 - J_0) of an `objective` J [m/s]."""
         return (objective - self.baseline) / (self.reference - self.baseline)
 
     def shares(self, seeds: tuple[int, ...] | None = None) -> list[tuple[Swim, list[int]]]:
-        """Which seeds go with which task.
+        """Return the tasks, each with its seeds.
 
         Args:
-            seeds: Of episodes; None: those that are scored.
+            seeds: Seeds of episodes; None: those of the scored episodes.
         """
         chosen = self.seeds if seeds is None else seeds
         n = len(self.tasks)
@@ -68,13 +68,13 @@ class Challenge:
 
 @cache
 def challenge(name: str) -> Challenge:
-    """A scenario of the benchmark.
+    """Return a scenario of the benchmark.
 
     Args:
         name: One of `CHALLENGES`.
 
     Raises:
-        ValueError: If there is none of that name.
+        ValueError: If there is no scenario of that name.
     """
     file = FOLDER / f"{one_of('scenario', name, CHALLENGES)}.toml"
     content = file.read_bytes().replace(b"\r\n", b"\n")
@@ -96,12 +96,12 @@ def challenge(name: str) -> Challenge:
 
 
 def limp(robot: Robot, joint: int, damping: float) -> Robot:
-    """The robot with a motor that is off, and takes no power.
+    """Return the robot with one motor off, which takes no power.
 
     Args:
-        robot: With all its motors.
-        joint: Which one, from 0 at the tail.
-        damping: Of its gear and skin, turned from outside [N m s/rad].
+        robot: Robot with all its motors.
+        joint: Index of the motor's joint, from 0 at the tail.
+        damping: Damping of the joint's gear and skin when it is turned from outside [N m s/rad].
     """
     off = replace(robot.joints[joint].actuator, stall_torque=NOTHING, stall_current=NOTHING, servo_gain=NOTHING)
     joints = list(robot.joints)
@@ -110,13 +110,13 @@ def limp(robot: Robot, joint: int, damping: float) -> Robot:
 
 
 def make(name: str, n: int | None = None, *, variant: int = 0, **how: Any) -> SwimmingEnv | SwimmingVectorEnv:
-    """A scenario as a Gymnasium environment, to learn in; its episodes are those of whatever seeds it is reset with.
+    """Make a Gymnasium environment of a scenario, to learn in; the seeds of its resets determine its episodes.
 
     Args:
         name: One of `CHALLENGES`.
-        n: How many robots side by side; None: one, in an environment that is no vector environment.
-        variant: Which one, of a scenario that has several: the broken joint.
-        how: What `SwimmingVectorEnv` takes besides its task.
+        n: Number of robots side by side; None: one, in an environment that is not a vector environment.
+        variant: Index of the task in a scenario that has several: the broken joint.
+        how: Arguments of `SwimmingVectorEnv` other than its task.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -131,7 +131,7 @@ def make(name: str, n: int | None = None, *, variant: int = 0, **how: Any) -> Sw
 
 
 def scenario_of(name: str) -> lc.Scenario:
-    """Who swims where, healthy.
+    """Return the laticauda scenario of a benchmark scenario, with a healthy robot.
 
     Args:
         name: One of `CHALLENGES`.

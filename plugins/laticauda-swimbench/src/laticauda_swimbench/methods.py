@@ -1,7 +1,7 @@
 """What can be scored: the baselines, and policies from outside.
 
-A method is one or several runs, and each run, for each scenario, a `Pilot`: what sees the rows of observations of all
-robots and says what each is to do. Laws are controllers of laticauda, which are asked as `laticauda.run` asks them.
+A method has one or several runs; for each run and scenario, its `Pilot` makes a function from the observations of all
+robots, in rows, to their actions. Laws are laticauda controllers, which are called as `laticauda.run` calls them.
 """
 
 import hashlib
@@ -27,11 +27,11 @@ from laticauda_swimbench.task import Swim
 
 HERE = Path(__file__).parent
 SCENARIO = "{scenario}"
-"""Where a scenario's name goes, of a policy that has one part for each."""
+"""Placeholder for the scenario's name in a policy that has one part per scenario."""
 Act = Callable[[np.ndarray], np.ndarray]
 """Actions for observations, one row per robot."""
 Pilot = Callable[[Challenge, int, Episodes], Act]
-"""What steers robots that are at the begin of their episodes in a scenario, in one of its method's runs."""
+"""What steers robots in a scenario, from the start of their episodes, in one of the method's runs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,17 +39,17 @@ class Method:
     """Something that can be scored."""
 
     name: str
-    """In the table."""
+    """Name in the table."""
     kind: str
     """What it is: open loop, law, plan, network, ONNX or callable."""
     sha256: str
-    """Of what it is made of: its numbers, its weights, or the text of its module."""
+    """SHA-256 of its content: its numbers, its weights, or the text of its module."""
     pilot: Pilot
-    """Who steers."""
+    """Pilot that steers."""
     runs: int = 1
-    """How many it has: a learner one for each seed it was trained with."""
+    """Number of runs: for a learner, one per training seed."""
     note: str = ""
-    """What should be known of it."""
+    """What users should know about it."""
 
 
 def _digest(content: bytes) -> str:
@@ -60,7 +60,7 @@ def _digest(content: bytes) -> str:
 
 
 def _open_loop(challenge: Challenge, run: int, episodes: Episodes) -> Act:
-    """The gait of the scenario, straight on: the middle of all actions."""
+    """Swim straight ahead with the gait of the scenario: the middle of all actions."""
     return lambda observed: np.zeros((len(observed), len(episodes.middle)))
 
 
@@ -70,11 +70,11 @@ def _piloted(controller: lc.Controller[Any], episodes: Episodes) -> Act:
 
 
 def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFollowing:
-    """A law of guidance along the x axis.
+    """Return a guidance law along the x axis.
 
     Args:
-        gait: What swims; its amplitude, frequency and phase shift may be among the numbers.
-        interval: Between two control instants [s].
+        gait: Gait of the robot; its amplitude, frequency and phase shift may be among the numbers.
+        interval: Time between two control instants [s].
         numbers: look_ahead_distance, gain, max_offset, and integral_gain for the integral law.
     """
     given = dict(numbers)
@@ -85,7 +85,7 @@ def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFol
 
 
 def law_pilot(numbers: dict[str, float]) -> Pilot:
-    """A law at the helm of every robot.
+    """Return a pilot that steers every robot with a law.
 
     Args:
         numbers: As for `law`.
@@ -98,12 +98,12 @@ def law_pilot(numbers: dict[str, float]) -> Pilot:
 
 
 def reference_law(challenge: Challenge, run: int, episodes: Episodes) -> Act:
-    """The numbers that were searched for in the scenario."""
+    """Steer with the numbers that were found by the search in the scenario."""
     return law_pilot({**challenge.laws})(challenge, run, episodes)
 
 
 def _plan(numbers: dict[str, Any]) -> Pilot:
-    """The plan, with the averaged model of the healthy robot in still water; power costs by the scenario's price."""
+    """Plan with the averaged model of the healthy robot in still water; the scenario's price sets the cost of power."""
     needed("The plan", "casadi")  # before anything is scored
     model, low, high = AveragedModel(**numbers["model"]), *numbers["frequency_limits"]
 
@@ -126,7 +126,7 @@ def _plan(numbers: dict[str, Any]) -> Pilot:
 
 
 NUMBERS = read_toml(HERE / "baselines.toml")
-"""Of the baselines, by name."""
+"""Numbers of the baselines, by name."""
 
 
 def _baseline(name: str, scenarios: Sequence[str]) -> Method:
@@ -144,7 +144,7 @@ def _baseline(name: str, scenarios: Sequence[str]) -> Method:
 
 
 def _called(text: str) -> Method:
-    """`module:name`: a function of an observation, a class whose objects are such, a controller, or its class."""
+    """`module:name`: a function of an observation, a class of such callables, a controller, or its class."""
     place, _, name = text.partition(":")
     sys.path.insert(0, "")  # a module in the working directory
     try:
@@ -172,7 +172,7 @@ def _called(text: str) -> Method:
 
 
 def _onnx(file: Path) -> Method:
-    """A network in an ONNX file: observations in rows of float32 in, actions out, the first output."""
+    """A network in an ONNX file: it takes rows of observations in float32, and its first output is the actions."""
     runtime = needed("A policy in an ONNX file", "onnxruntime")
     how = runtime.SessionOptions()
     how.intra_op_num_threads = how.inter_op_num_threads = 1  # the same sums in the same order
@@ -200,7 +200,7 @@ def _weights(file: Path) -> Method:
 
 
 def _each(text: str, scenarios: Sequence[str]) -> Method:
-    """A policy for each scenario, whose name stands in the place of `{scenario}`."""
+    """One policy per scenario: the scenario's name replaces `{scenario}`."""
     parts = {name: method(text.replace(SCENARIO, name)) for name in scenarios}
     first = parts[scenarios[0]]
     return Method(
@@ -213,15 +213,15 @@ def _each(text: str, scenarios: Sequence[str]) -> Method:
 
 
 def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
-    """What is to be scored.
+    """Return the method to be scored.
 
     Args:
-        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable. With
-            `{scenario}` in it there is one for each scenario.
-        scenarios: In which of them it is to be scored.
+        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable. If it
+            contains `{scenario}`, there is one policy per scenario.
+        scenarios: Scenarios in which it is to be scored.
 
     Raises:
-        ValueError: If there is no such thing.
+        ValueError: If there is no such policy.
         ImportError: If it needs a package that is not installed, as `NotInstalled`.
     """
     if SCENARIO in text:

@@ -1,7 +1,7 @@
 """Trained policies without the library that trained them: layers of tanh or relu, as arrays in .npz files.
 
-A file holds weights of several runs, `w0`, `b0`, `w1`, ... with the run as the first axis, and `activation`, a text.
-What comes out is cut off at -1 and 1 by the environment; `squash` says that a tanh does so before.
+A file holds weights of several runs, `w0`, `b0`, `w1`, ..., with the run as the first axis, and `activation`, a string.
+The environment clips the output at -1 and 1; `squash` says that a tanh limits it before that.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,16 +18,16 @@ class Network:
     """A policy: layers, with an activation between them.
 
     Args:
-        layers: Weights (n_out, n_in) and biases of each.
+        layers: Weights (n_out, n_in) and biases of each layer.
         activation: tanh or relu.
-        squash: Whether tanh follows the last one.
+        squash: Whether tanh follows the last layer.
     """
 
     def __init__(self, layers: Layers, activation: str, squash: bool) -> None:
         self.layers, self.activation, self.squash = layers, activation, squash
 
     def __call__(self, observed: np.ndarray) -> np.ndarray:
-        """Actions for observations, one row each; the sums do not depend on how many rows there are."""
+        """Return actions for observations, one row each; the sums do not depend on the number of rows."""
         now, bend = observed, ACTIVATIONS[self.activation]
         for i, (w, b) in enumerate(self.layers):
             now = np.einsum("ij,kj->ki", w, now) + b
@@ -38,7 +38,7 @@ class Network:
 
 @cache
 def load(file: Path) -> list[Network]:
-    """The networks in a file, one for each run."""
+    """Return the networks in a file, one per run."""
     with np.load(file, allow_pickle=False) as found:
         held = {name: found[name] for name in found.files}
     n_layers = sum(name.startswith("w") for name in held)
@@ -53,11 +53,11 @@ def load(file: Path) -> list[Network]:
 
 
 def save(file: Path, runs: Sequence[Layers], activation: str, squash: bool) -> None:
-    """Write networks of one shape, in half precision: what is scored is what is stored.
+    """Write networks of the same shape, in half precision: what is scored is what is stored.
 
     Args:
-        file: Where.
-        runs: Layers of each.
+        file: Path of the file.
+        runs: Layers of each run.
         activation: tanh or relu.
         squash: Whether tanh follows the last layer.
     """

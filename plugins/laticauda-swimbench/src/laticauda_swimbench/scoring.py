@@ -1,4 +1,4 @@
-"""Score files: a method in the episodes of the scenarios, with the numbers of each and what they were made with.
+"""Score files: the results of a method in each episode of the scenarios, and what produced them.
 
 Equal inputs give equal files, to the last bit, on one machine with the same versions; only `seconds` differs, and the
 checksum leaves it out.
@@ -25,11 +25,11 @@ from laticauda_swimbench.methods import Method, method
 from laticauda_swimbench.task import Swim
 
 FORMAT = 1
-"""Of score files; grows when their keys change."""
+"""Version of the format of score files; increases when their keys change."""
 SCHEMA = Path(__file__).with_name("scores.schema.json")
-"""What a score file is, as a JSON Schema."""
+"""JSON Schema of score files."""
 UNCHECKED = ("seconds", "sha256")
-"""What the checksum does not cover."""
+"""Keys that the checksum does not cover."""
 Progress = Callable[[float], None]
 
 
@@ -38,14 +38,14 @@ class BadScores(LaticaudaError, ValueError):
 
 
 def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method, run: int) -> list[dict[str, Any]]:
-    """Episodes side by side, and what came out of each.
+    """Swim episodes side by side, and return the results of each.
 
     Args:
         challenge: The scenario.
-        task: Its task, or one of them.
-        seeds: Of the episodes.
-        method: Who steers.
-        run: Which of its runs.
+        task: Task of the scenario, or one of its tasks.
+        seeds: Seeds of the episodes.
+        method: Method that steers.
+        run: Index of the method's run.
     """
     episodes, n = Episodes(task, len(seeds)), len(seeds)
     try:
@@ -80,12 +80,12 @@ def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method,
 
 
 def results(name: str, method: Method, seeds: tuple[int, ...] | None = None) -> list[dict[str, Any]]:
-    """Of all runs and episodes in a scenario, by run and seed.
+    """Return the results of all runs and episodes in a scenario, by run and seed.
 
     Args:
-        name: Of the scenario.
-        method: Who steers.
-        seeds: Other episodes than those that are scored.
+        name: Name of the scenario.
+        method: Method that steers.
+        seeds: Seeds of other episodes than the scored ones.
     """
     one = challenge(name)
     found = [
@@ -103,17 +103,17 @@ def score(
     """Score a method.
 
     Args:
-        policy: A baseline's name, the path of an .onnx or .npz file, `module:name` of a Python callable, see
-            `method`; or the method.
-        scenarios: In which of them.
-        progress: Called now and then with the share that is done.
+        policy: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable (see
+            `method`); or the method itself.
+        scenarios: Names of the scenarios.
+        progress: Called now and then with the completed share.
 
     Returns:
         The content of a score file.
 
     Raises:
-        ValueError: If there is no such policy or scenario, or what it says is no action.
-        ImportError: If it needs a package that is not installed.
+        ValueError: If there is no such policy or scenario, or the policy returns something other than an action.
+        ImportError: If the policy needs a package that is not installed.
     """
     chosen = policy if isinstance(policy, Method) else method(policy, scenarios)
     begun, parts = time.perf_counter(), list[dict[str, Any]]()
@@ -147,23 +147,23 @@ def score(
 
 
 def checksum(content: Mapping[str, Any]) -> str:
-    """SHA-256 of a score file: of its content without `UNCHECKED` as JSON, keys sorted, no spaces.
+    """Return the SHA-256 of a score file: of its content without `UNCHECKED`, as JSON with sorted keys and no spaces.
 
     Args:
-        content: Of the file.
+        content: Content of the file.
     """
     counted = {name: one for name, one in content.items() if name not in UNCHECKED}
     return hashlib.sha256(json.dumps(counted, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 
 def read_scores(path: str | Path) -> dict[str, Any]:
-    """The content of a score file, if its checksums are right and its scenarios are those that are installed.
+    """Return the content of a score file if its checksums are right and its scenarios are the installed ones.
 
     Args:
-        path: Of the file.
+        path: Path of the file.
 
     Raises:
-        BadScores: If not.
+        BadScores: If they are not.
     """
     try:
         content: Any = json.loads(read_text(path, BadScores))
@@ -185,10 +185,10 @@ def read_scores(path: str | Path) -> dict[str, Any]:
 
 
 def text_of(content: Mapping[str, Any]) -> str:
-    """A score file's text: a line for each episode.
+    """Return the text of a score file, with one line per episode.
 
     Args:
-        content: As `score` returns it.
+        content: Content as returned by `score`.
     """
     lines: list[str] = []
 

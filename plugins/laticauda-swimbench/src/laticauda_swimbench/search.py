@@ -1,4 +1,4 @@
-"""How the references were found: gait and integral law of a scenario, searched for by CMA-ES in episodes of its own."""
+"""How the references were found: CMA-ES searches for the gait and integral law of a scenario, in separate episodes."""
 
 import math
 from collections.abc import Callable
@@ -12,18 +12,18 @@ from laticauda_swimbench.methods import Method, law_pilot, method
 from laticauda_swimbench.scoring import results
 
 TUNING = 2_000_000
-"""Seed of the first episode that is searched in; none of these is scored or learned in."""
+"""Seed of the search's first episode; none of its episodes is used for scoring or learning."""
 EPISODES = 16
 LAWS: dict[str, tuple[float, float]] = {
     "look_ahead_distance": (0.05, 2.0),
     "integral_gain": (1e-3, 0.1),
     "gain": (0.1, 2.0),
 }
-"""Between which the numbers of the law are searched, by their logarithms [SI]."""
+"""Ranges in which the numbers of the law are searched for, on a logarithmic scale [SI]."""
 
 
 def _numbers(one: Challenge, at: np.ndarray) -> dict[str, float]:
-    """Gait and law at a point of the unit cube."""
+    """Return gait and law at a point of the unit cube."""
     task = one.tasks[0]
     share = np.clip(at, 0.0, 1.0).tolist()
     gait = {each.name: each.low + s * (each.high - each.low) for each, s in zip(task.actions[:3], share, strict=False)}
@@ -35,13 +35,13 @@ def _numbers(one: Challenge, at: np.ndarray) -> dict[str, float]:
 
 
 def search(name: str, evaluations: int, tell: Callable[[str], None], seed: int = 1) -> dict[str, float]:
-    """The numbers with the highest mean J, of the tuning episodes.
+    """Return the numbers with the highest mean J in the tuning episodes.
 
     Args:
-        name: Of the scenario.
-        evaluations: How often all episodes are swum.
-        tell: Called with a line now and then.
-        seed: Of the search.
+        name: Name of the scenario.
+        evaluations: Number of passes over all tuning episodes.
+        tell: Called now and then with a line of text.
+        seed: Seed of the search.
 
     Raises:
         NotInstalled: If cma is not installed.
@@ -69,11 +69,11 @@ def _method(numbers: dict[str, float]) -> Method:
 
 
 def ends(name: str, numbers: dict[str, float]) -> tuple[float, float]:
-    """J_0 and J_1 of a scenario: means over the scored episodes of the open loop and of the reference [m/s].
+    """Return J_0 and J_1 of a scenario: means of the open loop and the reference over the scored episodes [m/s].
 
     Args:
-        name: Of the scenario.
-        numbers: Of the reference.
+        name: Name of the scenario.
+        numbers: Numbers of the reference.
     """
     found = [results(name, each) for each in (method("open-loop"), _method(numbers))]
     first, second = (float(np.mean([each["objective"] for each in one])) for one in found)

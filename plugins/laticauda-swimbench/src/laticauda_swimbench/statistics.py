@@ -1,4 +1,4 @@
-"""What many scores come to: means, the interquartile mean, and intervals by the stratified bootstrap.
+"""Summaries of many scores: means, the interquartile mean, and intervals from the stratified bootstrap.
 
 [1] R. Agarwal et al., Deep reinforcement learning at the edge of the statistical precipice, NeurIPS 2021.
 """
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 REPEATS, SEED = 2000, 0
 LEVEL = 0.95
-"""Of the intervals."""
+"""Level of the intervals."""
 Numbers = NDArray[np.float64]
 
 
@@ -19,18 +19,18 @@ class Estimate(NamedTuple):
     """A number and the interval around it."""
 
     value: float
-    """[-]."""
+    """The number [-]."""
     low: float
-    """[-]."""
+    """Lower end of the interval [-]."""
     high: float
-    """[-]."""
+    """Upper end of the interval [-]."""
 
 
 def interquartile_mean(values: Numbers) -> float:
-    """The mean of what is left without the lowest and the highest quarter, each rounded down to whole values [1].
+    """Return the mean without the lowest and the highest quarter, each rounded down to whole values [1].
 
     Args:
-        values: In any order and shape.
+        values: Values in any order and shape.
 
     Example:
         >>> interquartile_mean(np.array([0.0, 1.0, 2.0, 90.0]))
@@ -42,10 +42,10 @@ def interquartile_mean(values: Numbers) -> float:
 
 
 def matrix(part: Mapping[str, Any]) -> Numbers:
-    """Scores of a scenario: a row for each run, a column for each episode.
+    """Return the scores of a scenario: one row per run, one column per episode.
 
     Args:
-        part: An entry of `scenarios` in a score file.
+        part: Entry of `scenarios` in a score file.
     """
     found: list[Mapping[str, Any]] = part["results"]
     runs = 1 + max(one["run"] for one in found)
@@ -53,36 +53,36 @@ def matrix(part: Mapping[str, Any]) -> Numbers:
 
 
 def resampled(scores: Numbers, generator: np.random.Generator) -> Numbers:
-    """Scores of a scenario as they might have come out: other runs; of a method that has one run, other episodes.
+    """Return resampled scores of a scenario: other runs or, for a method with one run, other episodes.
 
     Args:
-        scores: A row for each run.
-        generator: Of random numbers.
+        scores: Scores, one row per run.
+        generator: Random number generator.
     """
     axis = 0 if len(scores) > 1 else 1
     return generator.choice(scores, scores.shape[axis], axis=axis)
 
 
 def over_runs(scenarios: Sequence[Numbers]) -> float:
-    """The interquartile mean of all runs in all scenarios; what a run scores in a scenario is the mean of its episodes.
+    """Return the interquartile mean of all runs in all scenarios; a run's score in one is the mean of its episodes.
 
     Args:
-        scenarios: Scores of each, a row for each run.
+        scenarios: Scores of each scenario, one row per run.
     """
     return interquartile_mean(np.concatenate([scores.mean(axis=1) for scores in scenarios]))
 
 
 def mean(scenarios: Sequence[Numbers]) -> float:
-    """The mean of all scores of one scenario or of several; arguments as for `over_runs`."""
+    """Return the mean of all scores of one or several scenarios; arguments as for `over_runs`."""
     return float(np.mean([scores.mean() for scores in scenarios]))
 
 
 def estimate(scenarios: Sequence[Numbers], of: Callable[[Sequence[Numbers]], float]) -> Estimate:
-    """A number of scores, with its percentile interval; every scenario is resampled on its own [1].
+    """Return a statistic of scores with its percentile interval; every scenario is resampled separately [1].
 
     Args:
-        scenarios: Scores of each, a row for each run.
-        of: What is to be known of them.
+        scenarios: Scores of each scenario, one row per run.
+        of: Function that returns the statistic.
     """
     generator = np.random.default_rng(SEED)
     others = [of([resampled(scores, generator) for scores in scenarios]) for _ in range(REPEATS)]

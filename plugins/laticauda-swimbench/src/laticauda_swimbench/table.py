@@ -8,10 +8,10 @@ from laticauda_swimbench.statistics import Estimate, Numbers, estimate, matrix, 
 
 
 def row(content: Mapping[str, Any]) -> dict[str, Estimate]:
-    """The mean score in each scenario that was scored, and the interquartile mean if these are all.
+    """Return the mean score in each scored scenario, and the interquartile mean if these are all scenarios.
 
     Args:
-        content: Of a score file.
+        content: Content of a score file.
     """
     scores: dict[str, Numbers] = {part["name"]: matrix(part) for part in content["scenarios"]}
     found = {name: estimate([scores[name]], mean) for name in CHALLENGES if name in scores}
@@ -24,7 +24,7 @@ def energy(content: Mapping[str, Any]) -> float:
     """Energy of all episodes over their progress, of all that got along [J/m]; nan if none did.
 
     Args:
-        content: Of a score file.
+        content: Content of a score file.
     """
     found = [one for part in content["scenarios"] for one in part["results"]]
     progress = sum(one["progress"] for one in found)
@@ -32,10 +32,10 @@ def energy(content: Mapping[str, Any]) -> float:
 
 
 def table(contents: Sequence[Mapping[str, Any]]) -> str:
-    """One line for each method, the best first; of all scenarios the 95 % interval, of each half its width.
+    """Return one line per method, the best first: the 95 % interval for all scenarios, half its width for each.
 
     Args:
-        contents: Of score files.
+        contents: Contents of score files.
     """
     rows = [(content["method"], row(content), energy(content)) for content in contents]
     rows.sort(key=lambda each: -each[1]["all"].value if "all" in each[1] else float("inf"))

@@ -1,4 +1,4 @@
-"""What all scenarios of SwimBench share: what a policy sees and says, and what its swimming is worth."""
+"""What all SwimBench scenarios share: a policy's observations and actions, and the value of its swimming."""
 
 import math
 
@@ -7,18 +7,18 @@ from laticauda.quantities import quantity, value
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
 from laticauda_gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 
-_UNIT_POWER = 100.0  # what is seen as 1 [W]
+_UNIT_POWER = 100.0  # observed as 1 [W]
 
 
 @value
 class Swim(Swimming):
-    """Get along the x axis, near to it and for little energy; the actions are the gait and what steers it.
+    """Swim along the x axis, close to it and with little energy; the actions are the gait and the steering.
 
         J = 1/T sum_n [ k(y_n) (x_n - x_(n-1)) - E_n / F ],    k(y) = 1 / (1 + (y/y_1)^2)
 
-    The sum is over the intervals between actions: x, y is the center of mass at their ends, E the energy that the
-    motors took. J is a speed: what energy costs is taken off the progress, at a price F in joules per meter. The reward
-    of an interval is its term of the sum, so that a return is J T.
+    The sum is over the intervals between actions: x, y is the center of mass at the end of each, E the energy that the
+    motors took. J is a speed: the cost of the energy is subtracted from the progress, at a price F in joules per meter.
+    The reward of an interval is its term of the sum, so a return is J T.
 
     Raises:
         ValueError: If a field is out of its range, or gait and offset could take a joint beyond its limit.
@@ -35,7 +35,7 @@ class Swim(Swimming):
     price: float = quantity("J/m", "F, energy that is worth as much as a meter", gt=0.0)
 
     def __post_init__(self) -> None:
-        """Check what goes together."""
+        """Check that the fields fit together."""
         super().__post_init__()
         check_ends(self, "amplitudes", "frequencies", "phase_shifts")
         chain = self.scenario.robot.planar()
@@ -56,7 +56,7 @@ class Swim(Swimming):
 
     @property
     def draws(self) -> tuple[Range, ...]:
-        """Where an episode begins, and in which water."""
+        """Start and water of an episode."""
         y, heading = self.max_distance, self.max_heading
         start = ranges(y=(-y, y), heading=(-heading, heading))
         if self.flow is not None:
@@ -65,7 +65,7 @@ class Swim(Swimming):
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """What cameras or a filter, the power meter, and the robot's own gait tell: nothing of the water."""
+        """What cameras or a filter, the power meter, and the robot's own gait provide: nothing about the water."""
         return (
             *BESIDE_THE_PATH,
             Sight(name="power", of=lambda step: step.power, unit=_UNIT_POWER),
@@ -77,6 +77,6 @@ class Swim(Swimming):
         )
 
     def reward(self, step: Step) -> Numbers:
-        """The term of `step` in J T [m]."""
+        """Return the term of `step` in J T [m]."""
         near = 1.0 / (1.0 + (step.after.y / self.tolerance) ** 2)
         return near * (step.after.x - step.before.x) - step.interval * step.power / self.price

@@ -1,7 +1,8 @@
 """Train the learners: PPO and SAC of stable-baselines3, in episodes that are not scored. It needs stable-baselines3.
 
-Every run is kept in a folder as it goes on, with the steps that it has had: the same command again goes on where it
-stopped, and more steps go on from there. SAC does not keep its replay buffer, and fills a new one then.
+Every run is saved in a folder as it proceeds, with the number of its steps: the same command continues where it
+stopped, and a larger number of steps continues from there. SAC does not save its replay buffer, so it then fills a new
+one.
 """
 
 # pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
@@ -22,7 +23,7 @@ from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import challenge
 
 SETTINGS: dict[str, dict[str, Any]] = {
-    # Steps per robot and update, and a smaller spread at first, as in the comparison of path following.
+    # Steps per robot and update, and a smaller initial spread, as in the comparison for path following.
     "ppo": {
         "n_steps": 50,
         "batch_size": 400,
@@ -41,18 +42,18 @@ SETTINGS: dict[str, dict[str, Any]] = {
         "policy_kwargs": {"net_arch": [64, 64]},
     },
 }
-"""Of stable-baselines3, where they are not its defaults; the same in all scenarios, and not tuned to any."""
+"""Settings of stable-baselines3 that are not its defaults; the same in all scenarios, and not tuned to any."""
 LANES = {"ppo": 64, "sac": 32}
 CHUNK = 51_200
-"""Steps after which a run is kept."""
+"""Number of steps after which a run is saved."""
 
 
 def lanes(name: str, n: int) -> Any:
-    """The robots of a scenario side by side, as stable-baselines3 wants them.
+    """Return the robots of a scenario side by side, as stable-baselines3 expects them.
 
     Args:
-        name: Of the scenario.
-        n: How many; shared out among its tasks.
+        name: Name of the scenario.
+        n: Number of robots, divided among the scenario's tasks.
     """
     needed("Training", "stable-baselines3", "stable_baselines3")
     from laticauda_gym import StableBaselines
@@ -65,11 +66,11 @@ def lanes(name: str, n: int) -> Any:
 
 
 def _side_by_side(shares: Sequence[Any]) -> Any:
-    """Several vector environments as one."""
+    """Combine several vector environments into one."""
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
     class SideBySide(VecEnv):
-        """What each share does, one after the other."""
+        """All shares, one after the other."""
 
         def __init__(self) -> None:
             self.ends = np.cumsum([one.num_envs for one in shares])[:-1]
@@ -121,15 +122,15 @@ def _side_by_side(shares: Sequence[Any]) -> Any:
 def train(
     learner: str, name: str, seed: int, steps: int, folder: Path, tell: Callable[[str], None]
 ) -> dict[str, float]:
-    """One run, from where it stopped.
+    """Train one run, from where it stopped.
 
     Args:
         learner: ppo or sac.
-        name: Of the scenario.
-        seed: Of the run.
-        steps: In all [-].
-        folder: Where the run is kept.
-        tell: Called with a line now and then.
+        name: Name of the scenario.
+        seed: Seed of the run.
+        steps: Total number of steps [-].
+        folder: Folder in which the run is saved.
+        tell: Called now and then with a line of text.
 
     Returns:
         Its `steps` and the `seconds` that they took.
@@ -150,7 +151,7 @@ def train(
     if said["steps"] >= steps:
         return said
     envs = lanes(name, LANES[learner])
-    # A run that goes on draws other episodes than it began with.
+    # A run that is continued draws other episodes than at its start.
     envs.seed(1_000_000 * (1 + seed) // 10 + int(said["steps"]) // CHUNK * 100)
     if said["steps"]:
         scaled = VecNormalize.load(str(scale_file), envs)
@@ -171,10 +172,10 @@ def train(
 
 
 def weights(model_file: Path, learner: str) -> networks.Layers:
-    """The layers of a trained policy, as arrays.
+    """Return the layers of a trained policy, as arrays.
 
     Args:
-        model_file: As `train` keeps it.
+        model_file: Path of the model, as saved by `train`.
         learner: ppo or sac.
     """
     library = needed("Training", "stable-baselines3", "stable_baselines3")
@@ -189,13 +190,13 @@ def weights(model_file: Path, learner: str) -> networks.Layers:
 
 
 def collect(learner: str, name: str, folder: Path, output: Path) -> int:
-    """Write the policies of all runs that are kept, for scoring without torch; how many there are.
+    """Write the policies of all saved runs, for scoring without torch, and return their number.
 
     Args:
         learner: ppo or sac.
-        name: Of the scenario.
-        folder: Where the runs are kept.
-        output: The .npz file.
+        name: Name of the scenario.
+        folder: Folder in which the runs are saved.
+        output: Path of the .npz file.
     """
     files = sorted(folder.glob(f"{learner}-{name}-*.zip"))
     runs = [weights(file, learner) for file in files]
