@@ -214,6 +214,7 @@ def test_the_first_check_that_is_wrong_is_the_reason():
     limits, times = Acceptance(), [2.0, 3.0]
     worst = {"angle_jump": 0.0, "swing_error": 9.0, "joint_error": 9.0}
     checks = (_check(limits, name, 1.0, times, np.array([0.0, value]), "") for name, value in worst.items())
+    assert Verdict(()).reason == ""
     found = Verdict(tuple(checks), is_cut=True)
     assert found.reason == f"The run failed a check: {found.checks[1].says}."
 
@@ -462,6 +463,28 @@ def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_freque
     assert words(judged(replace(log, entries=tuple(entries))))["turn_change"] == "ok"
 
 
+def test_references_without_a_frequency_have_cycles_of_the_usual_length(truth, monkeypatch):
+    monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 12.0)
+    log = log_of(truth)
+    still = [replace(one, frequency=0.0) if isinstance(one, ReferenceSample) else one for one in log.entries]
+    found = words(judged(replace(log, entries=tuple(still))))
+    assert (found["speed_change"], found["turn_change"]) == ("ok", "not checked")
+
+
+def test_the_only_cycle_of_a_short_run_is_compared_with_the_model_too(truth):
+    angle = truth.joint_angle.copy()
+    angle[:, 3] = 0.0
+    found = verdict_of(until_cycle(log_of(truth, angle=angle), 1.2), Acceptance(), PLANT)
+    assert found.reason.startswith("The run failed a check: joint error not explained by its servo: ")
+
+
+def test_the_age_of_poses_is_that_of_the_whole_run(truth):
+    log = log_of(truth)
+    late = [replace(one, age=0.2) if isinstance(one, Estimate) else one for one in log.entries]
+    found = judged(replace(log, entries=tuple(late)), pose_age=0.1)["pose_age"]
+    assert (found.word, found.since) == ("WRONG", pytest.approx(3.0 * CYCLES, abs=STEP))
+
+
 @pytest.mark.parametrize(("n", "word"), [(1, "not checked"), (2, "ok")])
 def test_two_references_are_enough_for_a_model(truth, n, word):
     log, kept, entries = log_of(truth), 0, []
@@ -472,13 +495,15 @@ def test_two_references_are_enough_for_a_model(truth, n, word):
     assert words(judged(replace(log, entries=tuple(entries)), swing_error=1e9))["swing_error"] == word
 
 
-def test_a_handful_of_frames_says_nothing_of_the_markers(truth):
+@pytest.mark.parametrize("n", [5, 14])
+def test_a_handful_of_frames_says_nothing_of_the_markers(truth, n):
     log, kept, entries = log_of(truth), 0, []
     for one in log.entries:
         kept += isinstance(one, PoseSample)
-        if not isinstance(one, PoseSample) or kept <= 5:
+        if not isinstance(one, PoseSample) or kept <= n:
             entries.append(one)
-    assert words(judged(replace(log, entries=tuple(entries))))["marker_jump"] == "not checked"
+    found = words(judged(replace(log, entries=tuple(entries))))
+    assert (found["marker_jump"], found["swing_error"]) == ("not checked", "not checked")
 
 
 def rough_log(truth) -> OperationLog:

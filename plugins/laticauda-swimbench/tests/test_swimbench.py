@@ -1,4 +1,5 @@
 import json
+import math
 import sys
 from dataclasses import replace
 
@@ -48,6 +49,13 @@ def test_a_scenario_fixes_its_episodes_and_its_scale(name):
 def _shape(one):
     gait = one.tasks[0].gait
     return gait.amplitude, gait.frequency, gait.phase_shift
+
+
+def test_steering_a_gait_that_is_already_bent_may_not_take_a_joint_beyond_its_limit(short):
+    (task, *_) = short.tasks
+    bent = replace(task.scenario, motion=replace(task.gait, offset=math.radians(60.0)))
+    with pytest.raises(ValueError, match=r"`max_offset` must be <= -0\.26\d* rad, or joint 0 goes beyond its limit"):
+        replace(task, scenario=bent)
 
 
 def test_no_two_scenarios_share_an_episode():

@@ -1,8 +1,9 @@
 """What all SwimBench scenarios share: a policy's observations and actions, and the value of its swimming."""
 
 import math
+from dataclasses import replace
 
-from laticauda.errors import BadArgument
+from laticauda.control.path_following import refuse_offset
 from laticauda.quantities import quantity, value
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
 from laticauda_gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
@@ -38,11 +39,7 @@ class Swim(Swimming):
         """Check that the fields fit together."""
         super().__post_init__()
         check_ends(self, "amplitudes", "frequencies", "phase_shifts")
-        chain = self.scenario.robot.planar()
-        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
-            if abs(g) * self.amplitudes[1] + self.max_offset > joint.limit:
-                rule = f"must leave joint {i} within its limit of {joint.limit:.4g} rad, with `amplitudes`"
-                raise BadArgument("max_offset", f"{rule}; got {self.max_offset}")
+        refuse_offset(self.scenario.robot, replace(self.gait, amplitude=self.amplitudes[1]), self.max_offset)
 
     @property
     def actions(self) -> tuple[Range, ...]:

@@ -151,14 +151,15 @@ def train(
     if said["steps"] >= steps:
         return said
     envs = lanes(name, LANES[learner])
-    # A run that is continued draws other episodes than at its start.
-    envs.seed(1_000_000 * (1 + seed) // 10 + int(said["steps"]) // CHUNK * 100)
     if said["steps"]:
         scaled = VecNormalize.load(str(scale_file), envs)
         model = kind.load(model_file, env=scaled, device="cpu")
     else:
         scaled = VecNormalize(envs, norm_obs=False, gamma=0.99)  # rewards only
         model = kind("MlpPolicy", scaled, seed=seed, device="cpu", **SETTINGS[learner])
+    # Each run draws its own episodes, and one that is continued others than at its start. It comes last because
+    # stable-baselines3 seeds the robots with `seed` alone when it makes or loads a model.
+    envs.seed(1_000_000 * (1 + seed) // 10 + int(said["steps"]) // CHUNK * 100)
     while said["steps"] < steps:
         begun = time.perf_counter()
         model.learn(min(CHUNK, steps - int(said["steps"])), reset_num_timesteps=False)
