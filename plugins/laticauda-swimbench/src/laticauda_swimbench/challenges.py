@@ -2,7 +2,7 @@
 
 A file states its `scenario_version` and its `seeds`, the fields of `Swim` under `task`, the laticauda scenario with all
 its numbers under `swims`, and the two values of J between which the score goes from 0 to 1. Any change except in
-wording makes a new version; every score file contains the SHA-256 of the scenario file.
+wording makes a new version. Every score file contains the SHA-256 of the scenario file, and is compared with no other.
 """
 
 import hashlib

@@ -41,7 +41,7 @@ class Method:
     name: str
     """Name in the table."""
     kind: str
-    """What it is: open loop, law, plan, network, ONNX or callable."""
+    """What it is: open loop, law, searched law, plan, network, ONNX or callable."""
     sha256: str
     """SHA-256 of its content: its numbers, its weights, or the text of its module."""
     pilot: Pilot

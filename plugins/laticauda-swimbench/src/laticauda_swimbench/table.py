@@ -21,7 +21,7 @@ def row(content: Mapping[str, Any]) -> dict[str, Estimate]:
 
 
 def energy(content: Mapping[str, Any]) -> float:
-    """Energy of all episodes over their progress, of all that got along [J/m]; nan if none did.
+    """Energy of all episodes divided by their progress in all [J/m]; nan if that is not positive.
 
     Args:
         content: Content of a score file.

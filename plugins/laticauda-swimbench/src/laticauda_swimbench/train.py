@@ -42,7 +42,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
         "policy_kwargs": {"net_arch": [64, 64]},
     },
 }
-"""Settings of stable-baselines3 that are not its defaults; the same in all scenarios, and not tuned to any."""
+"""Settings of stable-baselines3; the same in all scenarios, and not tuned to any."""
 LANES = {"ppo": 64, "sac": 32}
 CHUNK = 51_200
 """Number of steps after which a run is saved."""
