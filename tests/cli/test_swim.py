@@ -357,3 +357,15 @@ def test_what_is_not_available_is_said_in_words_of_the_command(run):
     assert "Not available: electrical power, total power. The power of the motors is unknown: give --joints" in text
     assert "The run must span at least" in text
     assert "`time`" not in text and "electrical_work" not in text
+
+
+def test_an_interval_says_which_coefficients_were_varied(run):
+    done = run("swim --robot amphibot --normal-drag 1.3 --duration 0.5 --interval")
+    assert done.status == 0
+    note = " ".join(done.out.split("\n\n")[-1].split())
+    assert re.fullmatch(
+        r"Varied within the textbook's intervals: tangential_friction, added_mass, .*beta\. All other coefficients are "
+        r"taken as known\.",
+        note,
+    )
+    assert "normal_drag" not in note

@@ -2,7 +2,7 @@
 
 import dataclasses
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -67,8 +67,7 @@ def following_table(trial: Trial) -> str:
 
 def figure_table(trial: Trial) -> str:
     """Return a table of the figures that apply to this run, with measured values and differences where available."""
-    summary = trial.summary()
-    measured = _measured(trial)
+    summary, measured = trial.summary(), _measured(trial)
     names = ("measured", "the paper's") if _is_measured(trial) else ("simulated", "measured")
     rows: list[tuple[str, ...]] = [("", names[0], "", names[1], "difference")]
     for figure in FIGURES:
@@ -99,8 +98,7 @@ def _measured(trial: Trial) -> dict[str, float]:
 def _notes(trial: Trial) -> str:
     """Return notes on the figures: what was measured, and why figures are missing."""
     notes: list[str] = []
-    measured = measured_counterpart(trial)
-    if measured is not None:
+    if (measured := measured_counterpart(trial)) is not None:
         notes.append(_about(measured, trial))
     if not trial.succeeded:  # its status says more
         return _filled(notes)
@@ -108,7 +106,7 @@ def _notes(trial: Trial) -> str:
         seen = ", ".join(f"{kind} {100.0 * low:+.0f} to {100.0 * high:+.0f} %" for kind, (low, high) in SEEN.items())
         notes.append(
             f"Textbook water, nothing fitted. AmphiBot's runs were off by: {seen}; a fish robot with a broad fin is 4 "
-            "to 7 times too fast in it. What this robot's coefficients leave open: laticauda swim --interval."
+            "to 7 times too fast in it. How uncertain this robot's coefficients are: laticauda swim --interval."
         )
     by_reason: dict[str, list[str]] = {}
     for name, reason in trial.figures()[1].items():
@@ -128,18 +126,21 @@ def _is_of_textbook(trial: Trial) -> bool:
     return not _is_measured(trial) and trial.environment.name.startswith(TEXTBOOK)
 
 
-def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]]) -> str:
+def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]], varied: Iterable[str]) -> str:
     """Return a table of the intervals in which the figures lie, given those of the coefficients, one figure per line.
 
     Args:
         trial: Trial of the run.
         intervals: Intervals from `laticauda.simulate.spread`.
+        varied: Names of the coefficients that were varied.
     """
     rows = [("if the coefficients lie in their intervals", "from", "to", "")]
     for figure in (one for one in FIGURES if one.name in intervals and one.name not in LEFT_OUT):
         (low, unit), (high, _) = (read_in(one, figure.unit) for one in intervals[figure.name])
         rows.append((figure.title, low, high, unit))
-    return aligned(rows, right=(1, 2))
+    names = ", ".join(name.removeprefix("water.") for name in varied)
+    note = f"Varied within the textbook's intervals: {names}. All other coefficients are taken as known."
+    return f"{aligned(rows, right=(1, 2))}\n\n{_filled([note])}"
 
 
 def _filled(notes: Sequence[str]) -> str:
@@ -148,9 +149,8 @@ def _filled(notes: Sequence[str]) -> str:
 
 def _about(measured: MeasuredTrial, trial: Trial) -> str:
     text = f"Measured: {measured.about}."
-    duration = float(trial.time[-1] - trial.time[0])
-    if abs(duration - measured.duration) > 0.5:
-        text += f" This run: {duration:.4g} s."
+    if abs(trial.duration - measured.duration) > 0.5:
+        text += f" This run: {trial.duration:.4g} s."
     if trial.mean_power_kind == "mechanical" and "work" not in trial.not_measured:
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."
     return text

@@ -102,7 +102,8 @@ class Swim(Run):
         if not self.interval:
             return self.outcome(trial, self.origin)
         found = simulate.spread(trial)
-        return self.outcome(trial, self.origin, f"\n\n{report.interval_table(trial, found)}", {"interval": found})
+        table = report.interval_table(trial, found, simulate.intervals_of(self.chosen))
+        return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": found})
 
     def _together(self) -> command.Outcome:
         """Run the robot and those of further scenario files in one scene."""

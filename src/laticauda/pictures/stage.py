@@ -152,7 +152,7 @@ class Studio:
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
         renderer.update_scene(self.data, camera)
         scene = renderer.scene
-        scene.flags[flags.mjRND_FOG] = True
+        scene.flags[flags.mjRND_FOG] = camera.distance < 0.5 * self.model.vis.map.fogend  # else it hides the robot
         scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
         draw_shadows(scene, self.model, self.data, self._casters)
         self.water.draw(scene, posture.center_of_mass, posture.time)

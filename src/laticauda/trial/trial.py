@@ -128,7 +128,7 @@ class Trial(contents.Contents):
     """Largest |phi'| of a joint [rad/s]."""
     peak_joint_torque = Figure("N m", "largest joint torque", peak("peak_joint_torque"))
     """Largest |u| of a joint [N m]."""
-    utilization = Figure("", "share used of joints, actuators and room between links; 1: all", peak("utilization"))
+    utilization = Figure("", "largest share used of joints, actuators and room between links", peak("utilization"))
     """Largest used share of a joint's limit, of an actuator's speed or duty, or of the room between links; above 1 the
     robot cannot do it: see `feasibility` [-]."""
 
