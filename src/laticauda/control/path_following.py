@@ -275,7 +275,7 @@ class SpatialPathFollowing(PathFollowing):
         limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
         if not limits:
             rule = "must have pitch joints for a path in space, got"
-            raise BadArgument("robot", f"{rule} `{robot.name}` (`axis` in its file sets them; the planar model has none)")
+            raise BadArgument("robot", f"{rule} `{robot.name}` (`axis` in its file; the planar model has none)")
         pitch = self.gait.pitch
         room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
         if self.climb.max_offset > room:
