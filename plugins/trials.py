@@ -34,7 +34,8 @@ def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):
             connection=here.at(**{"bus": bus} if bus else {}, **{"mocap": mocap} if mocap else {}),
             calibration=Calibration(joint_zeros=True, idle_time=0.2, still_time=0.5),
             limits=PATIENT,
-            acceptance=Acceptance(water_speed=0.1, pose_age=2.0),  # it is still for a moment only
+            # It is still for a moment only, and on a busy computer devices answer late.
+            acceptance=Acceptance(water_speed=0.1, pose_age=2.0, angle_jump=math.radians(10.0)),
             **more,
         )
         return operate(operation, folder)

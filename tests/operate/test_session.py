@@ -28,7 +28,7 @@ from laticauda.operate.loop import TankDevices, TankTime, run_loop
 from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
 from laticauda.operate.series import run_series
 from laticauda.operate.session import header_of, operate, result_of, table
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
+from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
 from laticauda.operate.terminal import Keys, print_events
 from laticauda.protocol import NodeState, bus_address
 from laticauda.robot import Current
@@ -89,7 +89,8 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     threads = set(threading.enumerate())
     lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-a"), port=0)
     with lab as addresses:
-        what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW)
+        patient = Acceptance(pose_age=3.0, angle_jump=math.radians(10.0))  # on a busy computer, devices answer late
+        what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW, acceptance=patient)
         result = operate(what, tmp_path, clock=Clock())
         assert lab.call(is_limp)
     assert result.accepted, result.reason

@@ -101,7 +101,7 @@ def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
     return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
 
 
-def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda *_: None) -> Series:
+def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda _, number: None) -> Series:
     """Run every setting until it has all its repeats, or has been rejected too often.
 
     The folder holds the trial (``.nc``) and the recording (``.mcap``) of every run, and ``repeats.csv``, which is
