@@ -120,12 +120,8 @@ def test_ctrl_c_after_a_run_while_it_is_judged_ends_the_series_and_the_run_count
 
 def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_path, capsys):
     with lab as addresses:
-        assert (
-            main(
-                ["operate", series_of("ab", tmp_path), "--check", "--output", str(tmp_path / "runs"), *words(addresses)]
-            )
-            == 0
-        )
+        check = ["operate", series_of("ab", tmp_path), "--check", "--output", str(tmp_path / "runs")]
+        assert main([*check, *words(addresses)]) == 0
     assert capsys.readouterr().out.count("All devices are OK.") == 1
     assert not (tmp_path / "runs").exists()
 

@@ -101,8 +101,8 @@ class Swim(Run):
         trial = self.swum(self.chosen)
         if not self.interval:
             return self.outcome(trial, self.origin)
-        found = simulate.spread(trial)
-        table = report.interval_table(trial, found, simulate.intervals_of(self.chosen))
+        varied = simulate.intervals_of(self.chosen)
+        table = report.interval_table(trial, found := simulate.spread(trial, varied), varied)
         return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": found})
 
     def _together(self) -> command.Outcome:
