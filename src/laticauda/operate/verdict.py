@@ -230,8 +230,8 @@ class _Run:
     def _motion(self) -> Iterator[tuple[str, Found]]:
         """Yield what the cameras see compared with the model: markers, and changes of speed, sideslip and turning."""
         ticks = [one.time for one in self.estimates]
-        seen = self.seen
-        time, yaw = np.array([one.time for one in seen]), np.unwrap([self.mount.link_yaw(one.rotation) for one in seen])
+        time = np.array([one.time for one in self.seen])
+        yaw = np.unwrap([self.mount.link_yaw(one.rotation) for one in self.seen])
         bend = [one.heading - one.link_angle[self.link] for one in self.estimates]
         off = np.asarray(yaw + np.interp(time, ticks, bend) - np.interp(time, self.model[0], self.model[3]), float)
         off[(time < self.begin) | (time > self.model[0][-1])] = np.nan
@@ -248,7 +248,7 @@ class _Run:
         usual = max(float(np.median(np.abs(usual_ahead))), LEAST)
         speed = ahead / np.maximum(usual_ahead, 0.2 * usual)
         yield "speed_change", (self.ends[1:], _spread(speed), "")
-        yield "sideslip_change", (self.ends[1:], _spread((aside - usual_aside) / usual), "")
+        yield "sideslip_change", (self.ends[2:], _spread((aside - usual_aside)[1:] / usual), "")  # first: from rest
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
         turned, usual_turn = (np.diff(one[1:, [0, -1]])[:, 0] for one in (heading, model_heading[..., 0]))
         turned -= usual_turn  # next, remove what is proportional to the model's turning
@@ -273,9 +273,10 @@ def _size(values: Array) -> Array:
 
 
 def _step(center: Array, heading: Array) -> tuple[Array, Array]:
-    """Return the displacement over every cycle but the first, along its mean heading and to the left of it [m]."""
-    gone = (center[:, -1] - center[:, 0]) @ np.array([1.0, 1.0j]) * np.exp(-1.0j * heading.mean(axis=1))
-    return gone.real[1:], gone.imag[1:]
+    """Return the way from each cycle's mean place to the next's, along their mean heading and to the left of it [m]."""
+    place, toward = center.mean(axis=1) @ np.array([1.0, 1.0j]), heading.mean(axis=1)
+    gone = np.diff(place) * np.exp(-0.5j * (toward[1:] + toward[:-1]))
+    return gone.real, gone.imag
 
 
 def _spread(values: Array) -> Array:
