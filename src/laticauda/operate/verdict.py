@@ -195,9 +195,7 @@ class _Run:
             place = _typical([one.center_of_mass[:2] for one in still])
             drift = np.polyfit([one.time - self.begin for one in still], place, 1)[0]
             yield "water_speed", ([self.begin], np.array([math.hypot(*drift)]), "")
-        clocks = [
-            (one.time, one.data["clock"]) for one in events if one.kind in ("start", "stop") and "clock" in one.data
-        ]
+        clocks = [(one.time, one.data["clock"]) for one in events if "clock" in one.data]  # start and stop
         if len(clocks) == 2:
             (begin, before), (end, after) = clocks
             drift = max(abs(after - before) - LATENCY, 0.0) / max(end - begin, 1.0)
