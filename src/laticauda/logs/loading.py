@@ -48,7 +48,7 @@ def load_trial(path: str | Path, columns: str | Path | column_maps.ColumnMap | N
     if not form.is_whole:
         raise TrialFileError(
             f"Cannot load {path}: a {path.suffix} file does not state the robot; give a column map "
-            "(`columns`, on the command line --columns)."
+            "(`columns`, on the command line --columns). Measured speeds are for `laticauda identify --table`."
         )
     with failures_of(path):
         return trial.Trial.from_dataset(form.read(path))
