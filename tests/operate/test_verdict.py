@@ -372,6 +372,22 @@ def test_a_robot_that_becomes_faster_is_seen_and_one_that_always_was_is_noted(tr
     assert always["model_speed"].since == pytest.approx(CYCLES * 3.0)
 
 
+def test_a_robot_that_always_was_slower_is_noted(truth):
+    found = judged(moved_log(truth, faster=0.5))["model_speed"]
+    assert (found.word, found.value) == ("noted", pytest.approx(math.log(2.0), abs=0.05))
+
+
+def test_a_robot_that_swims_backward_is_judged_like_one_that_swims_forward():
+    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=GAIT.frequency, phase_shift=math.radians(-40))
+    back = lc.run(PLANT, lc.OpenLoop(command=lc.Command(gait=gait)), 3.0 * CYCLES + STEP, sample_interval=STEP)
+    assert back.center_of_mass[-1, 0] < -0.5
+    right, changed = (judged(log_of(back, moved=moved)) for moved in (0.0, np.maximum(back.time - 9.0, 0.0) * 0.03))
+    assert max(right[name].share for name in NUMBERS) < 0.3
+    assert changed["sideslip_change"].word == "WRONG"
+    faster = judged(moved_log(back, faster=np.where(back.time < 12.0, 1.0, 1.5)))["speed_change"]
+    assert (faster.word, faster.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
+
+
 def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
     bent = np.maximum(truth.time - 12.0, 0.0) * math.radians(2.0) / 3.0  # 2 deg a cycle
     found = judged(moved_log(truth, bent=bent), turn_change=math.radians(0.7))["turn_change"]

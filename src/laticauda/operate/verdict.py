@@ -243,8 +243,9 @@ class _Run:
         off, whole = (_size(one[..., 0]) for one in (self._at(time, _typical(yaw)) - swing, swing))
         yield "swing_error", (self.ends, off / np.maximum(whole, math.radians(1.0)), "")
         (ahead, aside), (usual_ahead, usual_aside) = _step(center, heading), _step(model_center, model_heading[..., 0])
-        usual = max(float(np.median(np.abs(usual_ahead))), LEAST)
-        speed = ahead / np.maximum(usual_ahead, 0.2 * usual)
+        usual = float(np.median(usual_ahead))
+        usual = math.copysign(max(abs(usual), LEAST), usual)  # negative if it swims backward
+        speed = ahead / usual / np.maximum(usual_ahead / usual, 0.2)
         yield "speed_change", (self.ends[1:], _spread(speed), "")
         yield "sideslip_change", (self.ends[2:], _spread((aside - usual_aside)[1:] / usual), "")  # first: from rest
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
