@@ -394,7 +394,6 @@ def _counted(things: Sequence[Any], cycled: tuple[str, ...]) -> list[Table]:
 
 
 def _shortest_cycle(texts: Sequence[str]) -> str | list[str]:
-    for length in range(1, len(texts)):
-        if all(text == texts[i % length] for i, text in enumerate(texts)):
-            return texts[0] if length == 1 else list(texts[:length])
-    return texts[0] if len(texts) == 1 else list(texts)
+    lengths = range(1, len(texts) + 1)
+    length = next(n for n in lengths if all(text == texts[i % n] for i, text in enumerate(texts)))
+    return texts[0] if length == 1 else list(texts[:length])

@@ -71,6 +71,13 @@ def test_time_goes_on_at_the_speed_that_was_asked_for_or_the_lag_is_told(lab):
         lab.close()
 
 
+def test_a_lab_that_had_to_wait_tells_how_late_it_was(lab):
+    with lab:
+        lab.call(lambda tank: time.sleep(0.1))
+        time.sleep(0.1)
+    assert lab.behind > 0.3  # at four times the speed
+
+
 def test_foreign_frames_do_nothing(lab):
     import can
 

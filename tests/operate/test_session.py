@@ -89,7 +89,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     threads = set(threading.enumerate())
     lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-a"), port=0)
     with lab as addresses:
-        patient = Acceptance(pose_age=3.0, angle_jump=math.radians(10.0))  # on a busy computer, devices answer late
+        patient = Acceptance(pose_age=3.0)  # on a busy computer, cameras answer late
         what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW, acceptance=patient)
         result = operate(what, tmp_path, clock=Clock())
         assert lab.call(is_limp)

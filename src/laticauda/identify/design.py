@@ -257,7 +257,7 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
         words = [f"`{unknowns[k].name}` ({share(before[k])} before, {share(after[k])} after)" for k in newly]
-        return f"makes identifiable {_listed(words)}"
+        return f"makes identifiable {' and '.join(words)}"
     finite = np.isfinite(before) & (before > 0.0)
     ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
     k = int(np.argmin(ratio))
@@ -286,10 +286,6 @@ def share(sigma: float) -> str:
     if not np.isfinite(sigma) or sigma > 10.0:
         return "unknown"
     return f"{100.0 * sigma:.2g} %" if sigma < 0.99 else f"{100.0 * sigma:.0f} %"
-
-
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 # ---- telling models apart --------------------------------------------------------------------------------------------

@@ -88,6 +88,8 @@ class Lab:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
         """Total time that the clock has waited because this computer could not keep up [s]."""
+        self.behind = 0.0
+        """Longest time that it was behind its clock [s]."""
         self._bus_address, self._wires = bus, ExitStack()
         self.server: Any = QtmServer(tank.settings.mocap.rate, host, port)
         """Server of the cameras; before `open`, it may be replaced by one that starts, publishes and stops likewise."""
@@ -163,6 +165,7 @@ class Lab:
         while not self._stopped.is_set() and self.tank.time < end - 1e-9:
             now = first + clock.now() - self.lag
             behind = now - self.tank.next_tick
+            self.behind = max(self.behind, behind)
             if behind > WORST_LAG * self.speed:
                 self.lag += behind
                 now -= behind

@@ -150,7 +150,7 @@ class _Run:
     def checked(self) -> Iterator[tuple[str, Found]]:
         """Yield the values of all checks that can be made."""
         yield from self._before()
-        if len(self.samples) > 1 and all(one.rate is not None for one in self.samples):
+        if len(self.samples) > 2 * FRAMES and all(one.rate is not None for one in self.samples):
             yield from self._jumps()
         if self.ends.size:
             yield from self._joints()
@@ -218,12 +218,13 @@ class _Run:
         yield "joint_error", (self.ends, off.max(axis=1), f"module {self.driven[int(off.max(axis=0).argmax())] + 1}")
 
     def _jumps(self) -> Iterator[tuple[str, Found]]:
-        """Yield the jumps of angle between answers of a module that its rate does not explain; within a cycle, too."""
-        ticks, rate = self._columns("time"), self._columns("rate")
+        """Yield the jumps of every joint's angle that its rate does not explain; within a cycle, too."""
+        ticks = self._columns("time")
+        angle, rate = (interpolated(ticks, ticks, self._columns(name)) for name in ("angle", "rate"))
         step = np.diff(ticks)[:, np.newaxis]
-        went = np.diff(self._columns("angle"), axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
-        jump = np.nan_to_num(np.where(step < GAP, np.abs(went), 0.0))
-        yield "angle_jump", (ticks[1:], jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
+        went = np.diff(angle, axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
+        times, jump = _jump(ticks[1:], np.cumsum(np.where(step < GAP, np.nan_to_num(went), 0.0), axis=0), math.inf)
+        yield "angle_jump", (times, jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
 
     def _motion(self) -> Iterator[tuple[str, Found]]:
         """Yield what the cameras see compared with the model: markers, and changes of speed, sideslip and turning."""
@@ -233,9 +234,7 @@ class _Run:
         bend = [one.heading - one.link_angle[self.link] for one in self.estimates]
         off = np.asarray(yaw + np.interp(time, ticks, bend) - np.interp(time, self.model[0], self.model[3]), float)
         off[(time < self.begin) | (time > self.model[0][-1])] = np.nan
-        middle = _typical(off)[FRAMES // 2 : -(FRAMES // 2)]
-        last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
-        yield "marker_jump", (last, np.where(lasts < GAP, np.abs(middle[FRAMES:] - middle[:-FRAMES]), np.nan), "")
+        yield "marker_jump", (*_jump(time, off, GAP), "")
 
         heading = self._at(ticks, _typical(np.unwrap([one.heading for one in self.estimates])))[..., 0]
         center = self._at(ticks, _typical([one.center_of_mass for one in self.estimates]))
@@ -262,6 +261,13 @@ def _typical(values: Any) -> Array:
     rows = np.asarray(values, float)
     around = np.concatenate((rows[: FRAMES // 2], rows, rows[-(FRAMES // 2) :]))
     return np.median(np.lib.stride_tricks.sliding_window_view(around, FRAMES, axis=0), axis=-1)
+
+
+def _jump(time: Array, values: Array, longest: float) -> tuple[Array, Array]:
+    """Return when running medians of the rows jump, and by how much, if what is compared spans less than `longest`."""
+    middle = _typical(values)[FRAMES // 2 : -(FRAMES // 2)]
+    last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
+    return last, np.where(lasts < longest, np.abs(middle[FRAMES:] - middle[:-FRAMES]).T, np.nan).T
 
 
 def _size(values: Array) -> Array:

@@ -1,8 +1,8 @@
 """Contents of a trial: its arrays, what swam and how, and how the run ended."""
 
 import dataclasses
-import datetime
 from collections.abc import Mapping
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -16,10 +16,6 @@ FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 _NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
 NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
 """Arrays that a measured trial may lack; the position of the robot is in every trial."""
-
-
-def _now() -> str:
-    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
 
 
 def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int, ...]]:
@@ -53,7 +49,7 @@ class Contents(series.Log):
     states what is known of a run that was measured, or steered by hand."""
     version: str
     """Version of laticauda that made the run."""
-    created: str = dataclasses.field(default_factory=_now)
+    created: str = dataclasses.field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     """Creation date and time of day with time zone, ISO 8601."""
     status: str = "The run reached its end."
     """How the run ended: a sentence, with advice if it failed."""
