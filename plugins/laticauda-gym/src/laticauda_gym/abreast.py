@@ -95,7 +95,11 @@ class Abreast(Steered):
         return ranges(x=(-x, x), y=(-y, y), heading=(-heading, heading)) + self.shared
 
     def origins(self, n: int) -> Float[np.ndarray, "n 2"]:
-        """Origins of the lines, from right to left, centered on the x axis."""
+        """Return the origins of the lines, from right to left, centered on the x axis [m].
+
+        Args:
+            n: Number of robots, each with a line of its own.
+        """
         return np.stack((np.zeros(n), self.spacing * (np.arange(n) - 0.5 * (n - 1))), axis=1)
 
     @property

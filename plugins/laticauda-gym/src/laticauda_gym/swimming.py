@@ -92,7 +92,13 @@ class Sight:
 
 
 def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the components of a vector in world axes along the heading and to the left of it."""
+    """Return the components of a vector along the heading and to the left of it.
+
+    Args:
+        motion: Motion of the robots, of which the heading is used [rad].
+        x: Component along the x axis of the world.
+        y: Component along the y axis of the world.
+    """
     c, s = np.cos(motion.heading), np.sin(motion.heading)
     return c * x + s * y, c * y - s * x
 

@@ -28,7 +28,12 @@ PHASE = (
 
 
 def log_square(value: Numbers, tolerance: float) -> Numbers:
-    """ln(1 + (x/a)^2): (x/a)^2 for small x; for large x, ten times the distance always costs 4.6 more [-]."""
+    """ln(1 + (x/a)^2): (x/a)^2 for small x; for large x, ten times the distance always costs 4.6 more [-].
+
+    Args:
+        value: Error x, such as a distance [m].
+        tolerance: Error a that costs ln 2, in the same unit.
+    """
     return np.log1p((value / tolerance) ** 2)
 
 

@@ -98,7 +98,13 @@ def law_pilot(numbers: dict[str, float]) -> Pilot:
 
 
 def reference_law(challenge: Challenge, run: int, episodes: Episodes) -> Act:
-    """Steer with the numbers that were found by the search in the scenario."""
+    """Steer with the numbers that were found by the search in the scenario.
+
+    Args:
+        challenge: Scenario, whose file has these numbers.
+        run: Number of the run; a law has only one.
+        episodes: Episodes that are scored.
+    """
     return law_pilot({**challenge.laws})(challenge, run, episodes)
 
 
