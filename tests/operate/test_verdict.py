@@ -141,7 +141,7 @@ def test_a_sensor_that_jumps_is_named_when_it_does(truth):
     found = judged(log_of(truth, angle=angle))["angle_jump"]
     assert found.word == "WRONG"
     assert found.says.endswith("module 6")
-    assert 0.0 <= found.since - float(truth.time[500]) < 0.1
+    assert found.since == pytest.approx(float(truth.time[503]))  # when four of seven answers say so
 
 
 @pytest.mark.parametrize(("n_late", "word"), [(1, "ok"), (2, "ok"), (7, "WRONG")])
@@ -183,6 +183,34 @@ def test_a_robot_that_is_seen_aside_for_a_moment_where_a_cycle_ends_has_not_chan
 def test_a_robot_that_slips_aside_while_it_starts_has_not_changed(truth):
     aside = 0.06 * np.minimum(truth.time / 3.0, 1.0)
     assert judged(log_of(truth, moved=aside))["sideslip_change"].share < 0.01
+
+
+def test_what_the_markers_do_before_the_run_does_not_count(truth):
+    log = log_of(truth)
+    first = next(one for one in log.entries if isinstance(one, PoseSample))
+    turned = turn("yaw", float(truth.link_angle[0, 0]) + math.radians(20.0))
+    before = [replace(first, time=BEFORE - STEP * k, rotation=turned) for k in range(50, 0, -1)]
+    assert judged(replace(log, entries=(*before, *log.entries)))["marker_jump"].share < 0.2
+
+
+def test_a_robot_that_moves_against_its_model_is_noted_as_one_that_hardly_moves(truth):
+    log, begun = log_of(truth), truth.center_of_mass[0]
+    entries = [
+        replace(one, center_of_mass=2.0 * begun - one.center_of_mass) if isinstance(one, Estimate) else one
+        for one in log.entries
+    ]
+    found = judged(replace(log, entries=tuple(entries)))["model_speed"]
+    assert (found.word, found.value) == ("noted", pytest.approx(math.log(1000.0)))
+
+
+def test_a_robot_that_sinks_before_its_run_says_nothing_of_a_current(truth):
+    def sunk(one):
+        place = np.array([*one.center_of_mass, -0.1 * one.time])
+        return replace(one, center_of_mass=place, center_of_mass_velocity=np.zeros(3))
+
+    log = log_of(truth)
+    entries = tuple(sunk(one) if isinstance(one, Estimate) else one for one in log.entries)
+    assert judged(replace(log, entries=entries), plant=None)["water_speed"].value < 1e-6
 
 
 def test_a_marker_body_that_was_wrong_from_the_beginning_is_not_seen(truth):
