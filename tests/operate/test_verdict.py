@@ -245,6 +245,14 @@ def test_a_sensor_that_jumps_within_the_first_cycle_rejects_the_run(truth):
     assert not verdict_of(until_cycle(log_of(truth), 0.5, clock=0.5), Acceptance(), PLANT).reason
 
 
+def test_fifteen_answers_are_enough_for_a_jump(truth):
+    angle = truth.joint_angle.copy()
+    angle[8:, 2] += math.radians(40.0)
+    for n_answers, word in ((14, "not checked"), (15, "WRONG")):
+        short = until_cycle(log_of(truth, angle=angle), (n_answers - 1) * STEP / 3.0 + 1e-6)
+        assert judged(short)["angle_jump"].word == word
+
+
 @pytest.mark.parametrize(("n", "is_right"), [(0.5, False), (1.0, True)])
 def test_a_run_that_came_to_an_edge_counts_only_if_a_cycle_was_whole(truth, n, is_right):
     log = until_cycle(log_of(truth), n, clock=0.5)
