@@ -248,7 +248,7 @@ class _Run:
         yield "speed_change", (self.ends[1:], _spread(speed), "")
         yield "sideslip_change", (self.ends[2:], _spread((aside - usual_aside)[1:] / usual), "")  # first: from rest
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
-        turned, usual_turn = (np.diff(one[1:, [0, -1]])[:, 0] for one in (heading, model_heading[..., 0]))
+        turned, usual_turn = (np.diff(one.mean(axis=1)) for one in (heading, model_heading[..., 0]))
         turned -= usual_turn  # next, remove what is proportional to the model's turning
         turned -= usual_turn * np.clip(turned @ usual_turn / max(usual_turn @ usual_turn, 1e-12), -STEERS, STEERS)
         if turned.size >= TURNS:
