@@ -46,6 +46,17 @@ def test_a_horn_slips_and_the_sensor_of_its_joint_with_it():
     assert np.abs(np.delete(change, 1)).max() == 0.0
 
 
+def test_the_rate_of_a_joint_is_that_of_the_sensor_that_slips():
+    slipping = tank()
+    assist(slipping, "slipped_zero node=2 angle_deg=10")
+    step, slipped = slipping.settings.step, 0.0
+    while slipping.time < 1.0:
+        slipping.advance(step)
+        slipped += slipping.electronics.slip_rate[1] * step
+    assert math.degrees(-slipped) == pytest.approx(10.0 * (1.0 - math.exp(-1.0 / 0.3)), rel=0.01)
+    assert slipping.electronics.slip_rate[[0, 2]].tolist() == [0.0, 0.0]
+
+
 def test_a_fin_comes_off_and_only_one_that_can():
     losing = tank()
     assist(losing, "lost_fin")

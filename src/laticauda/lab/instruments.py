@@ -181,7 +181,7 @@ class Electronics:
         n = len(actuators)
         self._modules = [*range(robot.n_joints), 0][:n]  # modules with the nodes; a driven fin's is in the last one
         self.zero_error = random.uniform(-1.0, 1.0, n) * settings.nodes.zero_error
-        self.play = np.zeros(n)
+        self.play, self.slip_rate = np.zeros(n), np.zeros(n)
         self.duty, self.current = np.zeros(n), np.zeros(n)
         self.temperature = np.full(n, settings.water_temperature)
         self.voltage = settings.supply.voltage
@@ -254,7 +254,7 @@ class Electronics:
         angle = truth.joint_angle + self.zero_error + self.play + s.angle_noise * noise[0]
         if s.angle_step > 0.0:
             angle = s.angle_step * np.rint(angle / s.angle_step)
-        rate = truth.joint_rate + s.rate_noise * noise[1]
+        rate = truth.joint_rate + self.slip_rate + s.rate_noise * noise[1]  # of the same sensor as the angle
         current = self.current + s.current_noise * noise[2]
         torque = self._stall_torque / self._stall_current * current
         load = truth.joint_torque + s.torque_noise * noise[3]

@@ -240,11 +240,11 @@ class Tank:
                 node.error_count = 0
                 node.flags.add("bus_errors")
             self._dead[i], self._silent[i] = dead, dead or off
-            slipped = faults.on("slipped_zero", number)
-            if slipped is not None:
-                further = (slipped.angle - self._slipped[i]) * (1.0 - math.exp(-self.settings.step / quiet.SLIP_TIME))
-                self._slipped[i] += further
-                self.electronics.zero_error[i] -= further
+            slip = faults.on("slipped_zero", number)
+            more = -math.expm1(-self.settings.step / quiet.SLIP_TIME) * (slip.angle - self._slipped[i]) if slip else 0.0
+            self._slipped[i] += more
+            self.electronics.zero_error[i] -= more
+            self.electronics.slip_rate[i] = -more / self.settings.step
             self._leaks[i] = faults.on("leak", number) is not None
             hot = faults.on("over_temperature", number)
             if hot is not None:
