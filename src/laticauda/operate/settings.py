@@ -219,7 +219,7 @@ class Acceptance:
     swing_error: float = quantity("", "difference of the markers' swing from the model's", gt=0.0, default=0.2)
     speed_change: float = quantity("", "change of the speed relative to the model's", gt=0.0, default=0.2)
     sideslip_change: float = quantity("", "change of the sideslip relative to the model's", gt=0.0, default=0.1)
-    turn_change: float = quantity("rad", "change of turning relative to the model's", gt=0.0, default=math.radians(0.7))
+    turn_change: float = quantity("rad", "change of turning relative to the model's", gt=0.0, default=math.radians(0.6))
     model_speed: float = quantity("", "log ratio of speed to the model's (`laticauda identify`)", gt=0.0, default=0.25)
     pose_age: float = quantity("s", "median time since the cameras last saw the robot", gt=0.0, default=0.25)
     clock_drift: float = quantity("s/s", "drift of the cameras' clock against ours", gt=0.0, default=2e-4)
