@@ -21,8 +21,8 @@ build/mutants.jsonl. The tests run a slice, and ask whether every mutant that is
 
 Last answer (2 shared cores, 2026-11-23; about an hour): supervisor and limits 271 of 272, the other is equivalent
 (2026-11-28); estimation 1397 of 1436 (97.3 %), of the 1402 that are not equivalent 99.6 %. Of the verdict a sample of
-120 was tried on 2026-11-28, of which 107 are noticed (82 to 94 % of all), and 10 of the others are equivalent; later that
-day, after its jumps had changed, all 62 of these and 138 others by chance: 178, and 8 more since they have a test. Of the
+120 was tried on 2026-11-28, of which 107 are noticed (82 to 94 % of all), and 10 of the others are equivalent; later,
+after its jumps had changed, all 62 of these and 138 others by chance: 178, and 8 more since they have a test. Of the
 twin that learns (learning and stretches, 2026-11-28) 515 of 604 (85.3 %). After digital_twin and motion_model had
 changed (2026-11-27), 158 of the 1044 mutants of these two and of filter were tried by chance, of which 155 are noticed.
 """

@@ -185,6 +185,15 @@ def test_a_robot_that_slips_aside_while_it_starts_has_not_changed(truth):
     assert judged(log_of(truth, moved=aside))["sideslip_change"].share < 0.01
 
 
+def test_a_run_whose_end_was_not_seen_is_rejected(truth):
+    log, end = log_of(truth), BEFORE + float(truth.time[-1])
+    late = tuple(
+        replace(one, age=max(one.time - (end - 0.5), 0.0)) if isinstance(one, Estimate) else one for one in log.entries
+    )
+    found = judged(replace(log, entries=late))["pose_age"]
+    assert (found.word, found.value) == ("WRONG", pytest.approx(0.5 - 3 * STEP))
+
+
 def test_what_the_markers_do_before_the_run_does_not_count(truth):
     log = log_of(truth)
     first = next(one for one in log.entries if isinstance(one, PoseSample))
@@ -614,7 +623,7 @@ ROUGH = {
     "sideslip_change": 0.06610223431591752,
     "turn_change": 0.004867998918931597,
     "model_speed": 0.09379025918002945,
-    "pose_age": 0.0124,
+    "pose_age": 0.0146,
     "clock_drift": 0.013 / 24.02 - 0.01 / 24.02,
     "water_speed": 0.0039873201566111615,
     "without_zero": 2.0,

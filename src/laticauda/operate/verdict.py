@@ -183,8 +183,9 @@ class _Run:
     def _before(self) -> Iterator[tuple[str, Found]]:
         """Yield the age of poses, the modules' zeros, the straight robot's drift and that of the cameras' clock."""
         if self.estimates:
-            age = float(np.median([one.age for one in self.estimates]))
-            yield "pose_age", ([self.estimates[-1].time], np.array([age]), "")
+            # The end of a run counts by itself, because it decides its way.
+            ages = [np.median([one.age for one in some]) for some in (self.estimates, self.estimates[-FRAMES:])]
+            yield "pose_age", (2 * [self.estimates[-1].time], np.array(ages), "")
         events: list[Event] = self.log.of(Event)
         unset = [float(one.data.get("without_zero", 0)) for one in events if one.kind == "calibrating"]
         yield "without_zero", ([self.begin], np.array(unset[-1:]), "")
