@@ -3,10 +3,11 @@
 Question: 100 Hz for 10 minutes, the virtual tank in another process, everything recorded: the distribution of the
 loop's lateness and of its latency (from when a tick is due until its last frame is on the bus), and the missed
 deadlines. A bare loop that does nothing runs beside it in a process of its own: no deadline is to be missed that it
-meets.
+meets. With --counting there is no operator: a loop that counts for 3 ms in every period, as long as a tick takes, has
+its place. What it misses, no loop with a tick of this length can meet on this computer.
 Printed, and drawn to out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
 
-    python benchmarks/operate_timing.py [--duration 600] [--plain] [--learning]
+    python benchmarks/operate_timing.py [--duration 600] [--plain] [--learning] [--counting]
 
 With --plain neither loop has real-time priority; with --learning a second twin learns beside the recording. The filter
 has its twin, as by the command.
@@ -21,7 +22,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import nullcontext
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +43,39 @@ BARE = """
 import os, sys, time
 if sys.argv[2] == "urgent":
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
+
+def count(number):
+    begun = time.monotonic()
+    for _ in range(number):
+        pass
+    return time.monotonic() - begun
+
+number = round(float(sys.argv[3]) * 10_000 / min(count(10_000) for _ in range(50)))
 end, due = time.monotonic() + float(sys.argv[1]), time.monotonic()
 while due < end:
     due += 0.01
     time.sleep(max(due - time.monotonic(), 0.0))
-    print(due, time.monotonic() - due)
+    late = time.monotonic() - due
+    count(number)
+    print(due, late, time.monotonic() - due)
 """
+COUNTED = 0.003  # what the counting loop counts for [s]
 SPREAD = (50.0, 99.0, 99.9, 100.0)
+
+
+@contextmanager
+def beside(duration: float, priority: str, work: float = 0.0) -> Generator[list[np.ndarray]]:
+    """A loop in a process of its own; at the end its due times, lateness and latency, [s], are in the list."""
+    told: list[np.ndarray] = []
+    with tempfile.TemporaryFile("w+") as printed:
+        loop = subprocess.Popen([sys.executable, "-c", BARE, str(duration + 30.0), priority, str(work)], stdout=printed)
+        try:
+            yield told
+        finally:
+            loop.terminate()
+            loop.wait()
+        printed.seek(0)
+        told.append(np.array([[float(word) for word in line.split()] for line in printed.read().splitlines()[:-1]]))
 
 
 def missed_at(moment: float, bare: np.ndarray) -> bool:
@@ -61,8 +89,21 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=600.0)
     parser.add_argument("--plain", action="store_true", help="without real-time priority")
     parser.add_argument("--learning", action="store_true", help="with a twin that learns meanwhile")
+    parser.add_argument("--counting", action="store_true", help="a loop that only counts, instead of the operator")
     given = parser.parse_args()
-    duration = given.duration
+    duration, how = given.duration, "plain" if given.plain else "urgent"
+    if given.counting:
+        with beside(duration, how) as none, beside(duration, how, COUNTED) as counts:
+            time.sleep(duration)
+        bare, counted = none[0], counts[0]
+        missed = counted[counted[:, 2] > 0.01, 0]
+        print(f"counting loop: lateness {SPREAD} % {1e3 * np.percentile(counted[:, 1], SPREAD)} ms")
+        print(f"counting loop: latency {SPREAD} % {1e3 * np.percentile(counted[:, 2], SPREAD)} ms")
+        print(f"bare loop: lateness {SPREAD} % {1e3 * np.percentile(bare[:, 1], SPREAD)} ms")
+        met = [one for one in missed if not missed_at(one, bare)]
+        print(f"{len(counted)} ticks, {len(missed)} missed, {len(met)} while the bare loop met its own")
+        print_load()
+        return
     if given.plain:
         worker.urgent = lambda: nullcontext("The loop has normal priority.")
     words = ["lab", "--json", "--robot", "mamba-modules", "--bus", BUS, "--port", "0", "--position", "0", "0.5"]
@@ -92,15 +133,12 @@ def main() -> None:
             learning=Learning() if given.learning else None,
         )
         twin = lc.plant(what.body(), what.pool(), joints="servo")
-        words = [sys.executable, "-c", BARE, str(duration + 30.0), "plain" if given.plain else "urgent"]
-        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as told:
-            bare = subprocess.Popen(words, stdout=told)
-            result = operate(what, Path(folder), clock=(clock := worker.Clock()), twin=twin)
+        clock = worker.Clock()
+        with ExitStack() as stack:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            none = stack.enter_context(beside(duration, how))
+            result = operate(what, folder, clock=clock, twin=twin)
             offset = time.monotonic() - clock.now()
-            bare.terminate()
-            bare.wait()
-            told.seek(0)
-            beside = np.array([[float(word) for word in line.split()] for line in told.read().splitlines()[:-1]])
     finally:
         lab.terminate()
         lab.wait(10)
@@ -109,8 +147,9 @@ def main() -> None:
     print(f"{result.reason} {len(timing.times)} ticks of {1e3 * timing.interval:g} ms")
     for name, value in timing.summary().items():
         print(f"{name:<18}{1e3 * value:>10.3f} ms" if isinstance(value, float) else f"{name:<18}{value:>10}")
-    print(f"bare loop: lateness {SPREAD} % {1e3 * np.percentile(beside[:, 1], SPREAD)} ms")
-    met = [one for one in timing.times[timing.latency > timing.interval, 0] if not missed_at(one + offset, beside)]
+    bare = none[0]
+    print(f"bare loop: lateness {SPREAD} % {1e3 * np.percentile(bare[:, 1], SPREAD)} ms")
+    met = [one for one in timing.times[timing.latency > timing.interval, 0] if not missed_at(one + offset, bare)]
     print(f"missed while the bare loop met its own: {len(met)}")
     print_load()
     Path("out").mkdir(exist_ok=True)
