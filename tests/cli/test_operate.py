@@ -214,4 +214,4 @@ def test_a_recording_without_a_clock_has_no_timing_to_draw(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     assert main(["replay", str(file), "--plot-timing", str(tmp_path / "timing.png")]) == 2
-    assert "--plot-timing must be used with a recording of a loop that had a clock" in capsys.readouterr().err
+    assert "--plot-timing must go with a recording whose loop had a clock" in capsys.readouterr().err

@@ -26,6 +26,7 @@ from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock, DeviceFailed
 from laticauda.operate.loop import TankDevices, TankTime, run_loop
 from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
+from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.series import run_series
 from laticauda.operate.session import header_of, operate, result_of, table
 from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
@@ -214,6 +215,16 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     assert len(again) == len(recorded) > 50
     assert all((a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True))
     assert rerun_controller(log).n_different == 0
+
+
+@pytest.mark.parametrize("angle_jump", [math.radians(3.0), 1e-6], ids=["accepted", "rejected"])
+def test_the_trial_is_that_of_the_complete_recording_and_its_check_is_announced(tmp_path: Path, angle_jump: float):
+    told = []
+    what = operation(acceptance=Acceptance(angle_jump=angle_jump), duration=3.0, following=None)
+    result = operate(what, tmp_path, tank=tank(), show=lambda state, outputs: told.extend(outputs.events))
+    assert result.trial is not None and result.accepted == result.trial.succeeded == (angle_jump > 1e-3)
+    assert result.trial.equals(trial_of(read_operation(result.recording)))
+    assert [(event.kind, event.message) for event in told][-1] == ("checking", "the run, from its recording")
 
 
 LEARNING = {

@@ -284,12 +284,9 @@ class Replay(Recording):
         trial, timing = operate.trial_of(log, estimates), log.timing
         if self.plot_timing is not None:
             if timing is None:
-                raise BadArgument(
-                    "plot_timing", f"must be used with a recording of a loop that had a clock, got {self.file}"
-                )
-            figures.save_figure(
-                figures.timing_sheet(timing.lateness, timing.latency, timing.interval), self.plot_timing
-            )
+                raise BadArgument("plot_timing", f"must go with a recording whose loop had a clock, got {self.file}")
+            sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
+            figures.save_figure(sheet, self.plot_timing)
         rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
         verdict = operate.spoken(log, simulate.plant)
         facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}

@@ -1,6 +1,7 @@
 """Simulation behind the page: a value from which `advance` and `altered` make another one; changes by a page."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypedDict, Unpack, cast
 
@@ -131,10 +132,8 @@ class Simulation:
     def _carried(self, body: lc.Plant[Any], gait: lc.Gait) -> Any:
         """Return the old state for a new body, or a new state at the same position."""
         if type(body) is type(self.plant) and self.plant.robot.n_links == body.robot.n_links:
-            try:
+            with suppress(ValueError):  # an elastic fin has more numbers
                 return body.unpack(self.plant.pack(self.state))
-            except ValueError:
-                pass  # an elastic fin has more numbers
         now = self.plant.observe(self.state)
         x, y, *height = (float(value) for value in now.center_of_mass)
         start = lc.Start(center_of_mass=(x, y), heading=float(now.heading))

@@ -5,7 +5,7 @@ import math
 import time
 import tomllib
 from collections.abc import Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -176,13 +176,22 @@ def operate(
         state, timing = loop.run_loop(
             operator, devices, keys=lambda _: keys.events, sink=sink, show=show, longest=longest
         )
-        verdict = _spoken(operation, path, twin) if path is not None and state.begun is not None else None
-        if verdict is not None and sink is not None:
-            now, message = state.now or 0.0, verdict.reason or "The run passed all checks."
-            sink.keep(now, (Event(time=now, kind="verdict", message=message, data=verdict.summary()),))
-    if verdict is None and path is not None and state.begun is not None:
-        state = replace(state, notes=(*state.notes, "The run has not been checked yet: `laticauda replay` does that."))
-    return replace(result_of(operator, state, path, timing, verdict), stopped=bool(keys.events))
+        read = verdict = None
+        if path is not None and sink is not None and state.begun is not None:
+            now = state.now or 0.0
+            if show is not None:
+                show(state, Outputs(entries=(Event(time=now, kind="checking", message="the run, from its recording"),)))
+            read = _read(path)
+            if read is None:
+                note = "The run has not been checked yet: `laticauda replay` does that."
+                state = replace(state, notes=(*state.notes, note))
+            else:
+                verdict = verdict_of(read, operation.acceptance, twin)
+                message = verdict.reason or "The run passed all checks."
+                found = Event(time=now, kind="verdict", message=message, data=verdict.summary())
+                sink.keep(now, (found,))
+                read = replace(read, entries=(*read.entries, found))
+    return replace(result_of(operator, state, path, timing, verdict, read), stopped=bool(keys.events))
 
 
 def _learner(operator: Operator) -> Learner | None:
@@ -205,17 +214,15 @@ def _with_news(show: loop.Show, sink: Sink | Writer) -> loop.Show:
     return shown
 
 
-def _spoken(operation: settings.Operation, path: Path, twin: Plant[Any] | None) -> Verdict | None:
-    """Return the verdict on the run in a recording that is still open; None if that cannot be read, or has no end."""
-    try:
+def _read(path: Path) -> log.OperationLog | None:
+    """Return a recording that is still open, as soon as its end is in it; None if it cannot be read, or has no end."""
+    with suppress(TrialFileError):
         recording, patience = logs.open_recording(path), time.monotonic() + PATIENCE
-        while not any("-> done" in one.content["msg"] for one in recording.more("/events")):
-            if time.monotonic() > patience:
-                return None
+        while time.monotonic() < patience:
+            if any("-> done" in one.content["msg"] for one in recording.more("/events")):
+                return replace(log.operation_in(recording), lost="")
             time.sleep(0.05)
-        return verdict_of(log.read_operation(path), operation.acceptance, twin)
-    except TrialFileError:
-        return None
+    return None
 
 
 def kept_runs(folder: Path) -> set[str]:
@@ -235,6 +242,7 @@ def result_of(
     recording: Path | None,
     timing: Timing | None,
     verdict: Verdict | None = None,
+    read: log.OperationLog | None = None,
 ) -> Result:
     """Return the outcome of an operation, from its last state and its recording.
 
@@ -244,11 +252,12 @@ def result_of(
         recording: Closed file of the recording; None if nothing was recorded.
         timing: Punctuality of the loop; None: not known.
         verdict: Verdict on the run; None: there is none.
+        read: What is in the recording; None: it is still to be read.
     """
     trial: Trial | None = None
     if recording is not None and state.begun is not None:
         try:
-            trial = to_trial.trial_of(log.read_operation(recording))
+            trial = to_trial.trial_of(read or log.read_operation(recording))
             trial.save(recording.with_suffix(".nc"))
         except TrialFileError as error:
             state = replace(state, notes=(*state.notes, str(error)))
@@ -307,9 +316,7 @@ def table(summary: Mapping[str, Any]) -> str:
         lines.append(f"  loop: {punctuality(summary['timing'])}")
     lines += [f"  {line}" for line in summary["verdict"]["lines"]] if summary.get("verdict") else []
     lines += [f"  learned: {summary['learned']}"] if summary.get("learned") else []
-    lines += [f"  note: {note}" for note in summary.get("notes", ())]
-    if summary.get("aftermath"):
-        lines.append(f"  note: {summary['aftermath']}")
+    lines += [f"  note: {note}" for note in (*summary.get("notes", ()), summary.get("aftermath")) if note]
     if summary.get("recording"):
         lines.append(f"  recording: {summary['recording']}")
     return "\n".join(lines)

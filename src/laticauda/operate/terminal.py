@@ -82,7 +82,8 @@ class Terminal(worker.Worker[None]):
 
     def __enter__(self) -> Self:
         """Read keys one by one, without echo."""
-        try:
+        # On another operating system, or without a terminal, only Ctrl-C works.
+        with contextlib.suppress(ImportError, AttributeError, OSError, ValueError):
             import termios
             import tty
 
@@ -91,8 +92,6 @@ class Terminal(worker.Worker[None]):
                 self._before = termios.tcgetattr(number)
                 tty.setcbreak(number)
                 self._start()
-        except (ImportError, AttributeError, OSError, ValueError):
-            pass  # another operating system, or no terminal: only Ctrl-C works
         return self
 
     def release(self) -> None:

@@ -245,16 +245,19 @@ def read_operation(path: str | Path) -> OperationLog:
         TrialFileError: If the file does not exist, or is not a recording of an operation; the message says why.
         MissingExtra: If the package `mcap` is not installed.
     """
-    recording = logs.open_recording(path)
-    header = header_in(recording)
-    version = recording.metadata[entries.HEADER]["version"]
+    return operation_in(logs.open_recording(path))
+
+
+def operation_in(recording: logs.Recording) -> OperationLog:
+    """Return what is in a recording that is already open; see `read_operation`."""
+    path, header = recording.path, header_in(recording)
     with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
     notes = {name: one for name, one in recording.metadata.items() if name not in (entries.HEADER, CLOCK)}
-    read = OperationLog(
-        path=Path(path), header=header, version=version, notes=notes, entries=found, lost=recording.lost
+    version, epoch = recording.metadata[entries.HEADER]["version"], recording.epoch
+    return OperationLog(
+        path=path, header=header, version=version, notes=notes, entries=found, lost=recording.lost, epoch=epoch
     )
-    return replace(read, epoch=recording.epoch)
 
 
 def header_in(recording: logs.Recording) -> Header:
