@@ -221,7 +221,7 @@ class Acceptance:
     sideslip_change: float = quantity("", "change of the sideslip relative to the model's", gt=0.0, default=0.1)
     turn_change: float = quantity("rad", "change of turning relative to the model's", gt=0.0, default=math.radians(0.6))
     model_speed: float = quantity("", "log ratio of speed to the model's (`laticauda identify`)", gt=0.0, default=0.25)
-    pose_age: float = quantity("s", "median time since the cameras saw the robot, also at the end", gt=0.0, default=0.25)
+    pose_age: float = quantity("s", "median age of the cameras' poses, also at the end alone", gt=0.0, default=0.25)
     clock_drift: float = quantity("s/s", "drift of the cameras' clock against ours", gt=0.0, default=2e-4)
     water_speed: float = quantity("m/s", "drift of the straight robot before the run", gt=0.0, default=0.01)
     without_zero: float = quantity("", "modules without a zero (`joint_zeros` sets them)", gt=0.0, default=0.5)
