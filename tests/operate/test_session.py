@@ -217,6 +217,18 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     assert rerun_controller(log).n_different == 0
 
 
+@pytest.mark.parametrize("rate", [20.0, 30.0])
+def test_a_good_run_is_accepted_where_joints_end_their_steps_before_their_rates_are_asked_for(tmp_path: Path, rate):
+    """With few ticks per second a joint with little load has come to rest when it answers: its rate says too little."""
+    what = operation(rate=rate, duration=4.0, following=None, calibration=Calibration(idle_time=0.5, still_time=2.0))
+    fine = tank()
+    fine = Tank(fine.body, replace(fine.settings, step=0.002))
+    result = operate(what, tmp_path, tank=fine)
+    assert result.verdict is not None
+    share = {one.name: one.share for one in result.verdict.checks}["angle_jump"]
+    assert result.accepted and share is not None and share < 0.5
+
+
 @pytest.mark.parametrize("angle_jump", [math.radians(3.0), 1e-6], ids=["accepted", "rejected"])
 def test_the_trial_is_that_of_the_complete_recording_and_its_check_is_announced(tmp_path: Path, angle_jump: float):
     told = []

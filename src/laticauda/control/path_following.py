@@ -67,8 +67,7 @@ class PathFollowing(Controller[PathFollowingState]):
     guidance: Guidance[Any] = option("Guidance law: `LineOfSight`, `IntegralLineOfSight` or a custom one")
     heading: HeadingController = option("Heading controller")
     heading_estimate: Literal["raw", "cycle_mean"] = option(
-        "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period",
-        default="raw",
+        "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period", default="raw"
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
     observer: CurrentObserver | None = option("Observer of the current, to point upstream; None: none", default=None)

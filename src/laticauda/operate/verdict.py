@@ -28,9 +28,9 @@ from laticauda.quantities import quantities_of, texts_of
 STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 CYCLE, POINTS = 2.0, 100  # cycle of a gait without a frequency [s]; points at which a cycle is evaluated
 FRAMES, GAP = 7, 0.3  # camera frames in a running median, as single ones may be wrong; longest gap between them [s]
+LATE = 0.032  # typical time by which answers are late when a computer pauses [s]
 TURNS, LEAST = 5, 1e-3  # cycles over which turning is averaged; least advance per cycle, if a gait hardly moves [m]
-
-STEERS = 0.1  # share by which a robot may turn more or less than the model when it bends [-]
+STEERS = 0.9, 1.1  # share of the model's turning by which a robot may turn when it bends, at least and at most [-]
 BEFORE, LATENCY = 2.0, 0.01  # time before the run, robot straight; change allowed in the frames' smallest latency [s]
 NOTED = ("model_speed", "without_zero")
 """Checks that never reject a run."""
@@ -150,7 +150,7 @@ class _Run:
     def checked(self) -> Iterator[tuple[str, Found]]:
         """Yield the values of all checks that can be made."""
         yield from self._before()
-        if len(self.samples) > 2 * FRAMES and all(one.rate is not None for one in self.samples):
+        if len(self.samples) > 1 and all(one.rate is not None for one in self.samples):
             yield from self._jumps()
         if self.ends.size:
             yield from self._joints()
@@ -221,10 +221,16 @@ class _Run:
     def _jumps(self) -> Iterator[tuple[str, Found]]:
         """Yield the jumps of every joint's angle that its rate does not explain; within a cycle, too."""
         ticks = self._columns("time")
-        angle, rate = (interpolated(ticks, ticks, self._columns(name)) for name in ("angle", "rate"))
+        angle, rate = (np.nan_to_num(interpolated(ticks, ticks, self._columns(one))) for one in ("angle", "rate"))
         step = np.diff(ticks)[:, np.newaxis]
-        went = np.diff(angle, axis=0) - 0.5 * step * (rate[1:] + rate[:-1])
-        times, jump = _jump(ticks[1:], np.cumsum(np.where(step < GAP, np.nan_to_num(went), 0.0), axis=0), math.inf)
+        around = 2 * round(LATE / max(float(np.median(step)), 1e-6)) + 1  # answers
+        if not 1 < around < 0.5 * len(ticks):
+            return
+        moved = np.where(step < GAP, np.diff(angle, axis=0), 0.0).T
+        # A rate is that of a moment. How much of a step it explains depends on the load and on how often it is asked.
+        told = np.where(step < GAP, step * np.stack((rate[1:], rate[:-1])), 0.0).T
+        left = moved - (told @ (np.linalg.pinv(told) @ moved[..., np.newaxis]))[..., 0]
+        times, jump = _jump(ticks[1:], np.cumsum(left, axis=1).T, math.inf, around)
         yield "angle_jump", (times, jump.max(axis=1), f"module {int(jump.max(axis=0).argmax()) + 1}")
 
     def _motion(self) -> Iterator[tuple[str, Found]]:
@@ -250,25 +256,24 @@ class _Run:
         yield "sideslip_change", (self.ends[2:], _spread((aside - usual_aside)[1:] / usual), "")  # first: from rest
         yield "model_speed", (self.ends[-1:], np.array([abs(math.log(max(float(np.median(speed)), 1e-3)))]), "")
         turned, usual_turn = (np.diff(one.mean(axis=1)) for one in (heading, model_heading[..., 0]))
-        turned -= usual_turn  # next, remove what is proportional to the model's turning
-        turned -= usual_turn * np.clip(turned @ usual_turn / max(usual_turn @ usual_turn, 1e-12), -STEERS, STEERS)
+        turned -= usual_turn * np.clip(turned @ usual_turn / max(usual_turn @ usual_turn, 1e-12), *STEERS)
         if turned.size >= TURNS:
             mean = np.lib.stride_tricks.sliding_window_view(turned, TURNS).mean(axis=1)
             yield "turn_change", (self.ends[TURNS:], _spread(mean), "")
 
 
-def _typical(values: Any) -> Array:
-    """Return running medians of the rows, so that single wrong frames do not count."""
+def _typical(values: Any, n: int = FRAMES) -> Array:
+    """Return running medians of n rows, so that single wrong frames do not count."""
     rows = np.asarray(values, float)
-    around = np.concatenate((rows[: FRAMES // 2], rows, rows[-(FRAMES // 2) :]))
-    return np.median(np.lib.stride_tricks.sliding_window_view(around, FRAMES, axis=0), axis=-1)
+    around = np.concatenate((rows[: n // 2], rows, rows[-(n // 2) :]))
+    return np.median(np.lib.stride_tricks.sliding_window_view(around, n, axis=0), axis=-1)
 
 
-def _jump(time: Array, values: Array, longest: float) -> tuple[Array, Array]:
-    """Return when running medians of the rows jump, and by how much, if what is compared spans less than `longest`."""
-    middle = _typical(values)[FRAMES // 2 : -(FRAMES // 2)]
-    last, lasts = time[2 * FRAMES - 1 :], time[2 * FRAMES - 1 :] - time[: 1 - 2 * FRAMES]
-    return last, np.where(lasts < longest, np.abs(middle[FRAMES:] - middle[:-FRAMES]).T, np.nan).T
+def _jump(time: Array, values: Array, longest: float, n: int = FRAMES) -> tuple[Array, Array]:
+    """Return when running medians of n rows jump, and by how much, if what is compared spans less than `longest`."""
+    middle = _typical(values, n)[n // 2 : -(n // 2)]
+    last, lasts = time[2 * n - 1 :], time[2 * n - 1 :] - time[: 1 - 2 * n]
+    return last, np.where(lasts < longest, np.abs(middle[n:] - middle[:-n]).T, np.nan).T
 
 
 def _size(values: Array) -> Array:

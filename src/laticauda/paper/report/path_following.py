@@ -28,11 +28,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
     """
     return paper_chapter(
         name="path-following",
-        values={
-            "study": study,
-            **_findings(study),
-            **_beyond_the_published(study.held_out),
-        },
+        values={"study": study, **_findings(study), **_beyond_the_published(study.held_out)},
         tables=_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
