@@ -4,9 +4,9 @@ is something seen that is not there?
 Question: an operation of 40 s in the virtual tank, in which one thing goes wrong at a random moment after the first
 cycle: a jammed joint, a weak one, a zero that slips by 5 deg, a lost fin, cameras that take another body for the
 robot's or whose clock drifts, a marker body that turns by 5 deg, water that begins to move. Which check of the verdict
-says so, and how long after? And of good runs, of three gaits and robots, open loop and along a path: how many are
-rejected, and how near does each check come to its limit? The tank takes steps of 10 ms, so that a joint may end its own
-before it is asked, and a seed always gives the same run.
+says so, and how long after? And of good runs, of three gaits and robots, open loop and along a path, at 20, 50 and 100
+Hz: how many are rejected, and how near does each check come to its limit? The tank of good runs takes steps of 10 ms,
+so that a joint may have ended its own before it is asked. It is stepped, so a seed always gives the same run.
 
     python campaigns/accepted.py --runs 20           # of each fault
     python campaigns/accepted.py --hours 10          # of good runs; goes on where accepted.csv ends
@@ -80,7 +80,7 @@ def operation(chance: random.Random, fault: str) -> Operation:
         gait=gait,
         following=Following() if chance.random() < 0.5 else None,
         duration=DURATION,
-        rate=chance.choice([20.0, 50.0, 100.0]),
+        rate=50.0 if fault else chance.choice([20.0, 50.0, 100.0]),
         countdown=0.5,
         estimator="kinematics",
         tank=CaptureVolume(volume_x=(-3.0, 11.0)),
@@ -97,7 +97,8 @@ def run_one(fault: str, seed: int) -> Row:
     robot = what.body()
     plant = lc.plant(robot, what.pool(), joints="servo")
     start = lc.Start(center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2))
-    tank = Tank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=0.01))
+    step = 0.02 if fault else 0.01  # of the tank [s]
+    tank = Tank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=step))
     begun: list[float] = []
     wait = chance.uniform(1.5, 3.0) * 2.0 * math.pi / what.gait.frequency
     node, towards = chance.randint(2, 6), chance.uniform(0.0, 2.0 * math.pi)
