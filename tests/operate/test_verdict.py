@@ -664,7 +664,7 @@ def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
     assert {one.name: one.value for one in verdict.checks} == pytest.approx(ROUGH, rel=1e-6)
     assert [one.name for one in verdict.checks if one.word != "ok"] == ["speed_change", "without_zero"]
     assert verdict.checks[4].since == pytest.approx(18.0)
-    assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 5"]
+    assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 8"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)
     assert bare.checks[0].value == pytest.approx(0.0028545947679231554, rel=1e-6)
 
