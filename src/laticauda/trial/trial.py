@@ -99,9 +99,7 @@ class Trial(contents.Contents):
     """`mean_power` / (W v) with W the weight of the displaced water, on ground the robot's own [-]; raises an error if
     the robot did not move."""
     joules_per_meter = Figure(
-        "J/m",
-        "energy per meter, from mean power",
-        lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity),
+        "J/m", "energy per meter, from mean power", lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity)
     )
     """`mean_power` / `forward_velocity` [J/m]; raises an error if the robot did not move."""
     quasi_propulsive_efficiency = Figure(
