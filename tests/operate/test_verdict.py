@@ -614,6 +614,17 @@ def test_two_references_are_enough_for_a_model(truth, n, word):
     assert words(judged(replace(log, entries=tuple(entries)), swing_error=1e9))["swing_error"] == word
 
 
+def test_frames_that_come_out_of_order_are_judged_in_theirs(truth):
+    log = log_of(truth)
+    first = [one.time for one in log.entries if isinstance(one, PoseSample)]
+    swapped = {one: first[i ^ 1] for i, one in enumerate(first) if i < len(first) - 1}
+    late = sorted(
+        log.entries, key=lambda one: swapped.get(one.time, one.time) if isinstance(one, PoseSample) else one.time
+    )
+    usual, found = judged(log), judged(replace(log, entries=tuple(late)))
+    assert [found[name].value for name in NUMBERS] == pytest.approx([usual[name].value for name in NUMBERS], abs=1e-9)
+
+
 @pytest.mark.parametrize("n", [5, 14])
 def test_a_handful_of_frames_says_nothing_of_the_markers(truth, n):
     log, kept, entries = log_of(truth), 0, []

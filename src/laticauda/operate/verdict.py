@@ -134,7 +134,7 @@ class _Run:
         self.estimates: list[Estimate] = log.of_run(Estimate)
         self.samples: list[JointSample] = log.of_run(JointSample)
         self.references: list[ReferenceSample] = log.of_run(ReferenceSample)
-        self.seen: list[Any] = [one for one in log.of(PoseSample) if one.rotation is not None]
+        self.seen = sorted((one for one in log.of(PoseSample) if one.rotation is not None), key=lambda one: one.time)
         frequency = max((one.frequency or 0.0 for one in self.references), default=0.0)
         cycle = 2.0 * math.pi / frequency if frequency else CYCLE
         last = self.samples[-1].time if self.estimates and self.references and self.samples else self.begin
