@@ -54,6 +54,14 @@ def test_joint_angles_are_those_of_the_frames_time():
     assert USUAL.estimate(held).joint_angle == pytest.approx([0.2] * 8)
 
 
+@pytest.mark.parametrize(("later", "on"), [(-0.025, -0.05), (0.02, 0.06), (0.1, 0.3), (5.0, 0.3)])
+def test_after_the_last_sample_joints_go_on_at_their_rates_for_the_span_at_most(later: float, on: float):
+    rate = np.array([3.0] * 7 + [math.nan])
+    last = JointSample(time=1.1, angle=np.full(8, 0.2), rate=rate)
+    found = USUAL.estimate(after(joints(1.0, 0.0), last, frame(1.1 + later))).joint_angle
+    assert found == pytest.approx([0.2 + on] * 7 + [0.2 + min(on, 0.0)])
+
+
 def test_velocities_are_differences_over_the_span():
     times = [0.02 * k for k in range(11)]
     samples = [one for t in times for one in (joints(t, 3.0 * t), frame(t, 0.5 * t, -0.25 * t, yaw=2.0 * t))]
@@ -64,7 +72,7 @@ def test_velocities_are_differences_over_the_span():
     assert found.center_of_mass_velocity == pytest.approx((last.center_of_mass - first.center_of_mass) / 0.1)
     assert found.heading_rate == pytest.approx((last.heading - first.heading) / 0.1)
     assert found.joint_rate == pytest.approx([3.0] * 8)
-    assert [time for time, _ in state.joints] == pytest.approx(times[1:])  # of twice the span
+    assert [time for time, *_ in state.joints] == pytest.approx(times[1:])  # of twice the span
     single = USUAL.estimate(after(*samples[:2]))
     assert single.heading_rate == 0.0
 

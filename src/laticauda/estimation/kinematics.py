@@ -22,8 +22,8 @@ Vector = Float[np.ndarray, " _n"]
 class KinematicState:
     """Most recent joint samples, and the estimates from the most recent frames."""
 
-    joints: tuple[tuple[float, Vector], ...] = ()
-    """Times [s] and angles [rad], oldest first."""
+    joints: tuple[tuple[float, Vector, Vector], ...] = ()
+    """Times [s], angles [rad] and rates [rad/s], 0 where they are unknown, oldest first."""
     frames: tuple[Estimate, ...] = ()
     """Estimates from frames, oldest first; without velocities."""
 
@@ -32,7 +32,8 @@ class KinematicState:
 class KinematicEstimator(StateEstimator):
     """Estimator of center of mass and link angles from the pose of the marked module and the joint angles.
 
-    Joint angles are interpolated to the time of the frame. Velocities are differences over `span`. In space, height and
+    Joint angles are interpolated to the time of the frame; after the last ones, which are as old as a tick, they go on
+    at the joints' rates, for at most `span`. Velocities are differences over `span`. In space, height and
     pitch are also known: the whole rotation of the marker body and the angles of all joints are used. The center of
     mass is then computed for modules whose own centers of mass are on their axes.
     """
@@ -62,8 +63,9 @@ class KinematicEstimator(StateEstimator):
             angle = self._own(sample.angle)
             if not np.isfinite(angle).all() or (state.joints and sample.time <= state.joints[-1][0]):
                 return state
+            rate = np.zeros_like(angle) if sample.rate is None else np.nan_to_num(self._own(sample.rate))
             kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]
-            return replace(state, joints=(*kept, (sample.time, angle)))
+            return replace(state, joints=(*kept, (sample.time, angle, rate)))
         if isinstance(sample, PoseSample) and not sample.is_lost and sample.rotation is not None and state.joints:
             return self._add_frame(state, sample)
         return state
@@ -72,9 +74,10 @@ class KinematicEstimator(StateEstimator):
         assert frame.rotation is not None  # checked by the caller
         if state.frames and frame.time <= state.frames[-1].time:
             return state
-        times = np.array([time for time, _ in state.joints])
-        angles = np.stack([angle for _, angle in state.joints])
+        times = np.array([time for time, *_ in state.joints])
+        angles = np.stack([angle for _, angle, _ in state.joints])
         joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
+        joint += min(max(frame.time - float(times[-1]), 0.0), self.span) * state.joints[-1][2]
         theta, place, pitch = self._seen(frame.position, frame.rotation, joint)
         if state.frames:
             before = state.frames[-1].heading

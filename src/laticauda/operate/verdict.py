@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda import gaits, kinematics
+from laticauda import gaits
 from laticauda.dynamics.plant import Plant
 from laticauda.estimation import Estimate, JointSample, Mount, PoseSample, ReferenceSample
 from laticauda.interfaces import Command, Start
@@ -130,7 +130,7 @@ class _Run:
         self.log, self.begin = log, log.span[0]
         robot = log.header.run.robot
         self.mount: Mount = getattr(log.header.estimator, "mount", Mount())
-        self.link, self.offset = self.mount.on_link(robot)
+        self.link = self.mount.on_link(robot)[0]
         self.estimates: list[Estimate] = log.of_run(Estimate)
         self.samples: list[JointSample] = log.of_run(JointSample)
         self.references: list[ReferenceSample] = log.of_run(ReferenceSample)
@@ -141,8 +141,8 @@ class _Run:
         n = int((last - self.begin) / cycle + 1e-6) if math.isfinite(self.begin) else 0
         self.ends = (self.begin if n else 0.0) + cycle * np.arange(1, n + 1)
         self.grid = self.ends[:, np.newaxis] - cycle + cycle * np.linspace(0.0, 1.0, POINTS)
-        self.chain, self.yaw = robot.planar(), [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
-        self.driven = [*self.yaw, *range(robot.n_joints, len(robot.driven_joints))]
+        yaw = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
+        self.driven = [*yaw, *range(robot.n_joints, len(robot.driven_joints))]
         in_plane = n > 0 and len(self.references) > 1 and self.estimates[0].center_of_mass.size == 2
         fits = plant is not None and len(plant.robot.driven_joints) == len(self.driven)
         self.model: tuple[Array, ...] = self._modelled(plant) if plant is not None and fits and in_plane else ()
@@ -235,19 +235,16 @@ class _Run:
 
     def _motion(self) -> Iterator[tuple[str, Found]]:
         """Yield what the cameras see compared with the model: markers, and changes of speed, sideslip and turning."""
+        ticks = [one.time for one in self.estimates]
         time = np.array([one.time for one in self.seen])
         yaw = np.unwrap([self.mount.link_yaw(one.rotation) for one in self.seen])
-        # During the run, joints are known until the last tick; now, also what they did afterwards.
-        joints = interpolated(time, self._columns("time"), self._columns("angle"))[:, self.yaw]
-        angles = kinematics.link_angles(joints, angle=yaw, link=self.link)
-        marker = np.array([one.position[:2] for one in self.seen])
-        place = kinematics.center_of_mass(self.chain, marker, angles, link=self.link, offset=self.offset)
-        heading = kinematics.heading(angles)
-        off = np.asarray(heading - np.interp(time, self.model[0], self.model[3]), float)
+        bend = [one.heading - one.link_angle[self.link] for one in self.estimates]
+        off = np.asarray(yaw + np.interp(time, ticks, bend) - np.interp(time, self.model[0], self.model[3]), float)
         off[(time < self.begin) | (time > self.model[0][-1])] = np.nan
         yield "marker_jump", (*_jump(time, off, GAP), "")
 
-        heading, center = self._at(time, _typical(heading))[..., 0], self._at(time, _typical(place))
+        heading = self._at(ticks, _typical(np.unwrap([one.heading for one in self.estimates])))[..., 0]
+        center = self._at(ticks, _typical([one.center_of_mass for one in self.estimates]))
         model_center, model_heading, swing = (self._at(self.model[0], one) for one in self.model[2:])
         off, whole = (_size(one[..., 0]) for one in (self._at(time, _typical(yaw)) - swing, swing))
         yield "swing_error", (self.ends, off / np.maximum(whole, math.radians(1.0)), "")
