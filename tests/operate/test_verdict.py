@@ -60,12 +60,12 @@ def log_of(
     markers = Posture(ROBOT, path, links).link_centers[:, 0]
     entries: list[object] = [Event(time=1.0, kind="calibrating", message="", data={"without_zero": unset})]
 
-    def estimate(time, k, shift):
+    def estimate(time, k, aside=0.0):
         return Estimate(
             time=time,
             status="tracking",
             age=0.0,
-            center_of_mass=path[k] + np.array(shift),
+            center_of_mass=path[k] + np.array((0.0, aside)),
             center_of_mass_velocity=np.zeros(2),
             heading=float(truth.heading[k] + bent[k] + yaw[k]),
             heading_rate=0.0,
@@ -75,7 +75,7 @@ def log_of(
         )
 
     for k in range(100):
-        entries.append(estimate(BEFORE - 2.0 + 0.02 * k, 0, (0.0, still * 0.02 * (k - 99))))
+        entries.append(estimate(BEFORE - 2.0 + 0.02 * k, 0, still * 0.02 * (k - 99)))
     entries.append(Event(time=BEFORE, kind="start", message="", data={"clock": 0.5}))
     for k in range(n):
         time = BEFORE + float(truth.time[k])
@@ -83,7 +83,7 @@ def log_of(
         entries.append(JointSample(time=time, angle=angle[k], rate=truth.joint_rate[k]))
         place = np.array([*markers[k], 0.0])
         entries.append(PoseSample(time=time, position=place, rotation=turn("yaw", links[k, 0] + yaw[k])))
-        entries.append(estimate(time, k, (0.0, 0.0)))
+        entries.append(estimate(time, k))
     last = BEFORE + float(truth.time[-1])
     entries.append(Event(time=last, kind="stop", message="", data={"succeeded": True, "clock": 0.5 + clock}))
     header = Header(
