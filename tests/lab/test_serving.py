@@ -71,6 +71,20 @@ def test_time_goes_on_at_the_speed_that_was_asked_for_or_the_lag_is_told(lab):
         lab.close()
 
 
+def test_a_lab_that_cannot_keep_up_receives_all_frames_that_are_there_before_its_next_step():
+    slow = Lab(make_tank(), bus=bus_address("virtual:test_slow"), port=0, speed=1e6)
+    addresses = slow.open()
+    try:
+        with open_bus(addresses.bus) as bus:
+            slow.run(3.0)  # its nodes have started
+            for _ in range(40):
+                bus.send(to_frame(Sync(counter=1)))
+            slow.run(2.0 * slow.tank.settings.step)
+            assert len(heard(bus, JointState, 40 * 18)) == 40 * 18
+    finally:
+        slow.close()
+
+
 def test_a_lab_that_had_to_wait_tells_how_late_it_was(lab):
     with lab:
         lab.call(lambda tank: time.sleep(0.1))

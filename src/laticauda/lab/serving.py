@@ -54,6 +54,7 @@ class SerialLine(worker.Worker[None]):
 
 
 WORST_LAG = 0.5  # s; if the lab is further behind its clock, the clock waits
+MOST_WAITING = 64  # frames received between two steps
 LONGEST_WAIT = 0.1  # s; longest time that Ctrl-C and other threads wait
 
 
@@ -109,7 +110,7 @@ class Lab:
             self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
             wires.callback(self.server.stop)
             self.server.start()
-            line = wires.enter_context(SerialLine(self._answer))
+            line = wires.enter_context(SerialLine(lambda line: self.call(lambda tank: tank.answer(line))))
             self._wires = wires.pop_all()
         host, port = self.server.host, self.server.port
         return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)
@@ -174,11 +175,14 @@ class Lab:
                     self.tank.advance_to(min(self.tank.next_tick, end))
                     self._send()
             wait = (self.tank.next_tick - now) / self.speed
-            # With wait <= 0, a step is due; frames that have arrived in the meantime are still received.
-            frame: Any = None
-            with suppress(python_can().CanError):  # frames that a bus cannot decode count as lost
-                frame = self._bus.recv(min(max(wait, 0.0), LONGEST_WAIT))
-            if frame is not None:
+            # With wait <= 0, a step is due. All frames that have arrived by then are still received before it: one
+            # per step, and a computer that cannot keep up would let them wait longer and longer.
+            for patience in (min(max(wait, 0.0), LONGEST_WAIT), *[0.0] * MOST_WAITING):
+                frame: Any = None
+                with suppress(python_can().CanError):  # frames that a bus cannot decode count as lost
+                    frame = self._bus.recv(patience)
+                if frame is None:
+                    break
                 self._take(frame, first + clock.now() - self.lag)
 
     def _take(self, frame: Any, now: float) -> None:
@@ -196,7 +200,3 @@ class Lab:
                 self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
         for frame in self.tank.captured():
             self.server.publish(frame)
-
-    def _answer(self, line: str) -> bytes:
-        with self._lock:
-            return self.tank.answer(line)

@@ -57,13 +57,12 @@ def templates(package: str = "laticauda.reports") -> Any:
         lstrip_blocks=True,
     )
     made.filters |= {
-        "base64": _base64,
+        "base64": base64.b64encode,
         "cell": shown,
         "degrees": math.degrees,
         "digits": in_digits,
         "form_of": form_of,
         "span": span,
-        "upper_first": _upper_first,
     }
     made.globals |= {"is_numeric": is_numeric, "share": share}
     return made
@@ -158,14 +157,6 @@ def _for_the_page(path: Path) -> bytes:
     with Image.open(path) as picture:
         picture.convert("RGB").quantize().save(content, "PNG")
     return content.getvalue()
-
-
-def _base64(content: bytes) -> str:
-    return base64.b64encode(content).decode("ascii")
-
-
-def _upper_first(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 # ---- numbers and tables ---------------------------------------------------------------------------------------------
