@@ -1,9 +1,24 @@
 """Tests of things that live by the clock on the wall wait for what is to come, and do not sleep and hope."""
 
+import subprocess
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 from laticauda.operate.drivers import contract
+
+LONG = 120.0
+"""Time in which anything that is going to end ends [s], also on a computer that is busy with other tests."""
+
+
+@contextmanager
+def running(words: Sequence[object], **how) -> Iterator["subprocess.Popen[str]"]:
+    """A program that is killed at the end of the block if it still runs: a test that fails does not wait for it."""
+    with subprocess.Popen([str(word) for word in words], text=True, **how) as program:
+        try:
+            yield program
+        finally:
+            program.kill()
 
 
 def until(holds: Callable[[], object], patience: float = 20.0) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from paper.conftest import short_reproduction
+from patience import LONG, running
 from rendering import skip_without_rendering
 
 import laticauda
@@ -113,15 +114,10 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run,
 def test_the_example_of_a_server_says_its_address_and_ends_well_by_ctrl_c(run, words):
     command = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
     free = re.sub(r"--port \d+", "--port 0", example_of(run, words))  # other tests serve at the same time
-    with subprocess.Popen(
-        [*command, *free.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as server:
+    with running([*command, *free.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as server:
         assert server.stdout.readline().strip()
         server.send_signal(signal.SIGINT)
-        try:
-            _, told = server.communicate(timeout=60)
-        finally:
-            server.kill()
+        _, told = server.communicate(timeout=LONG)
         assert server.returncode == 0, told
 
 

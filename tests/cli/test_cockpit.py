@@ -1,12 +1,12 @@
 import json
-import os
 import signal
 import socket
-import subprocess
 import sys
 import urllib.request
+from subprocess import PIPE
 
 import pytest
+from patience import LONG, running
 
 from laticauda.cli import main
 
@@ -14,36 +14,31 @@ pytest.importorskip("viser")
 
 
 def started(*words):
-    return subprocess.Popen(
-        [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ,
-    )
+    command = [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit"]
+    return running([*command, "--port", "0", *words], stdout=PIPE, stderr=PIPE)
 
 
 def ended(process):
     process.send_signal(signal.SIGINT)
-    return process.communicate(timeout=30)
+    return process.communicate(timeout=LONG)
 
 
 def test_it_prints_one_line_with_its_address_and_serves_a_page_there():
-    process = started("--port", "0", "--json")
-    address = json.loads(process.stdout.readline())["address"]
-    assert address.startswith("http://127.0.0.1:")
-    with urllib.request.urlopen(address, timeout=10.0) as answer:
-        assert b"<html" in answer.read()
-    out, err = ended(process)
+    with started("--json") as process:
+        address = json.loads(process.stdout.readline())["address"]
+        assert address.startswith("http://127.0.0.1:")
+        with urllib.request.urlopen(address, timeout=LONG) as answer:
+            assert b"<html" in answer.read()
+        out, err = ended(process)
     assert process.returncode == 0
     assert out == ""
     assert "Warning" not in err
 
 
 def test_another_host_is_warned_of():
-    process = started("--port", "0", "--host", "0.0.0.0")
-    assert process.stdout.readline().startswith("http://0.0.0.0:")
-    assert "Anyone who reaches 0.0.0.0 and has the token is served" in ended(process)[1]
+    with started("--host", "0.0.0.0") as process:
+        assert process.stdout.readline().startswith("http://0.0.0.0:")
+        assert "Anyone who reaches 0.0.0.0 and has the token is served" in ended(process)[1]
 
 
 def test_a_port_that_is_taken_is_said(capsys):
@@ -59,9 +54,9 @@ def test_a_port_that_cannot_be_is_refused(capsys):
 
 
 def test_a_recording_that_is_not_there_yet_is_waited_for_and_the_page_is_served(tmp_path):
-    process = started("--port", "0", "--operated", str(tmp_path))
-    assert process.stdout.readline().startswith("http://127.0.0.1:")
-    ended(process)
+    with started("--operated", tmp_path) as process:
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        ended(process)
     assert process.returncode == 0
 
 

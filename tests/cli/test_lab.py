@@ -1,10 +1,11 @@
 import json
 import signal
-import subprocess
 import sys
 from itertools import islice
+from subprocess import PIPE
 
 import pytest
+from patience import LONG, running
 
 from laticauda import load_trial
 from laticauda.cli import main
@@ -16,8 +17,7 @@ BUS = "udp_multicast:239.74.163.97:43196"
 
 def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_path):
     words = [*PROGRAM, "--json", "--bus", BUS, "--port", "0", "--speed", "4", "--save", str(tmp_path / "truth.nc")]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(words, **pipes) as lab:
+    with running(words, stdin=PIPE, stdout=PIPE, stderr=PIPE) as lab:
         assert lab.stdout is not None and lab.stdin is not None and lab.stderr is not None
         told = json.loads(lab.stdout.readline())
         assert (told["bus"], told["nodes"], told["qtm"][:10]) == (BUS, 18, "127.0.0.1:")
@@ -35,10 +35,7 @@ def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_p
         while "the robot lies straight at 1 2 m, heading 90 deg" not in (line := lab.stderr.readline()):
             assert line
         lab.send_signal(signal.SIGINT)
-        try:
-            assert lab.wait(20) == 0
-        finally:
-            lab.kill()
+        assert lab.wait(LONG) == 0
     trial = load_trial(tmp_path / "truth.nc")
     assert trial.center_of_mass[0] == pytest.approx([1.0, 2.0])
 

@@ -2,10 +2,11 @@ import json
 import re
 import signal
 import socket
-import subprocess
 import sys
+from subprocess import PIPE
 
 import pytest
+from patience import LONG, running
 
 from laticauda.cli import main
 
@@ -14,9 +15,7 @@ EEL = 'kind = "robot"\nextends = "mamba"\nname = "eel"\n'
 
 
 def serving(*words):
-    return subprocess.Popen(
-        [*PROGRAM, "--port", "0", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    return running([*PROGRAM, "--port", "0", *words], stdout=PIPE, stderr=PIPE)
 
 
 def test_the_server_says_where_it_is_serves_and_ends_well_with_ctrl_c(tmp_path):
@@ -24,13 +23,13 @@ def test_the_server_says_where_it_is_serves_and_ends_well_with_ctrl_c(tmp_path):
     with serving("--json", "--robots", str(tmp_path / "eel.toml")) as server:
         told = json.loads(server.stdout.readline())
         assert (told["host"], told["protocol"]) == ("127.0.0.1", 1)
-        with socket.create_connection((told["host"], told["port"]), timeout=20.0) as wire:
+        with socket.create_connection((told["host"], told["port"]), timeout=LONG) as wire:
             stream = wire.makefile("rwb")
             stream.write(b'{"do": "reset", "robot": "eel"}\n')
             stream.flush()
             assert json.loads(stream.readline())["robot"] == "eel"
             server.send_signal(signal.SIGINT)  # with a client that is still there
-            assert server.wait(20) == 0
+            assert server.wait(LONG) == 0
         assert server.stderr.read().endswith("stopped.\n")
 
 
@@ -39,7 +38,7 @@ def test_whoever_opens_the_server_to_others_is_warned():
         line = server.stdout.readline()
         assert re.fullmatch(r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| clients .*\n", line)
         server.send_signal(signal.SIGINT)
-        assert server.wait(20) == 0
+        assert server.wait(LONG) == 0
         told = server.stderr.read()
         assert "Anyone who reaches 0.0.0.0 and has the token is served; nothing is encrypted" in told
         assert line.split()[3].rstrip(")") not in told

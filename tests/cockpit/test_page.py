@@ -30,6 +30,7 @@ from cockpit_browser import (
     still_picture,
     until,
 )
+from patience import LONG, running
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
@@ -56,12 +57,12 @@ def chromium():
 def address():
     """Of `laticauda cockpit`, in a process of its own."""
     words = ["-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit", "--port", "0", "--json"]
-    process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
-    yield json.loads(process.stdout.readline())["address"]
-    assert process.poll() is None  # nothing has brought it down
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=30)
-    assert process.returncode == 0
+    with running([sys.executable, *words], stdout=subprocess.PIPE) as process:
+        yield json.loads(process.stdout.readline())["address"]
+        assert process.poll() is None  # nothing has brought it down
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=LONG)
+        assert process.returncode == 0
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import pytest
 import serial
 from lab_parts import EXACT, make_tank
 from mamba_dbc import FILE
+from patience import LONG, running
 
 from laticauda.interfaces import Start
 from laticauda.lab import Fault, Lab, assist
@@ -118,11 +119,11 @@ def test_another_process_reads_the_bus_with_the_file_and_no_laticauda():
     )
     lab.tank.advance(0.5)
     lab.tank.sent()
-    with subprocess.Popen([sys.executable, "-c", code, str(FILE)], stdout=subprocess.PIPE, text=True) as listener:
+    with running([sys.executable, "-c", code, FILE], stdout=subprocess.PIPE) as listener:
         assert listener.stdout is not None
         assert listener.stdout.readline() == "listening\n"
         with lab:
-            rest = listener.communicate(timeout=20)[0]
+            rest = listener.communicate(timeout=LONG)[0]
     assert rest == "READY False\n"
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given, strategies as st
+from patience import LONG, running
 
 from laticauda.protocol import (
     BusAddress,
@@ -105,15 +106,15 @@ import sys
 from laticauda.protocol import Sync, bus_address, from_frame, open_bus, to_frame
 with open_bus(bus_address(sys.argv[1])) as bus:
     print(flush=True)
-    bus.send(to_frame(Sync(counter=from_frame(bus.recv(10.0)).counter + 1)))
+    bus.send(to_frame(Sync(counter=from_frame(bus.recv(60.0)).counter + 1)))
 """
     text = "udp_multicast:239.74.163.99:43195"
     words = [sys.executable, "-c", script, text]
-    with subprocess.Popen(words, stdout=subprocess.PIPE) as process, open_bus(bus_address(text)) as bus:
+    with running(words, stdout=subprocess.PIPE) as process, open_bus(bus_address(text)) as bus:
         process.stdout.readline()
         bus.send(to_frame(Sync(counter=1)))
-        assert [from_frame(bus.recv(10.0)) for _ in range(2)] == [Sync(counter=1), Sync(counter=2)]
-    assert process.returncode == 0
+        assert [from_frame(bus.recv(LONG)) for _ in range(2)] == [Sync(counter=1), Sync(counter=2)]
+        assert process.wait(LONG) == 0
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

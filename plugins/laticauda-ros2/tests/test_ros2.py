@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from patience import complaints, until
+from patience import complaints, running, until
 from trials import swum
 
 pytest.importorskip("cyclonedds", reason="the DDS library is not installed: pip install cyclonedds")
@@ -61,11 +61,8 @@ def elsewhere(space):
     argv = [sys.executable, "-m", "laticauda_ros2.emulator", str(DOMAIN), space]
     places = [str(Path(module.__file__).parents[1]) for module in (lc, node)]
     env = os.environ | {"PYTHONPATH": os.pathsep.join([*places, os.environ.get("PYTHONPATH", "")])}
-    with subprocess.Popen(argv, env=env, stdout=subprocess.PIPE, text=True) as program:
-        try:
-            yield [part.split()[1] for part in program.stdout.readline().split(" | ")[:2]]
-        finally:
-            program.kill()
+    with running(argv, env=env, stdout=subprocess.PIPE) as program:
+        yield [part.split()[1] for part in program.stdout.readline().split(" | ")[:2]]
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from operate.tank import IDLE, ROOT, follower, record
+from patience import LONG, running
 
 import laticauda as lc
 from laticauda.errors import StorageFailed, TrialFileError
@@ -144,14 +145,14 @@ CHILD = textwrap.dedent(
 def test_a_program_that_is_killed_loses_no_more_than_the_open_chunk(tmp_path):
     path = tmp_path / "killed.mcap"
     command = [sys.executable, "-c", CHILD, str(path)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
+    with running(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=ROOT) as process:
         for expected in (100, 200, 300):
             assert process.stdout.readline() == f"{expected}\n"
             if expected < 300:
                 process.stdin.write("\n")
                 process.stdin.flush()
         process.send_signal(signal.SIGKILL)
-        assert process.wait(30) == -signal.SIGKILL
+        assert process.wait(LONG) == -signal.SIGKILL
         process.stdin.close()
     log = read_operation(path)
     assert "is not intact" in log.lost
