@@ -111,12 +111,15 @@ def model_offsets() -> dict[str, int]:
 
 
 def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
-    """Return the words of a structure from its start to the one that holds `target`, which is near its end."""
+    """Return the words of a structure from its start to the first that holds `target`, which is near its end.
+
+    Memory beyond the end may hold what is left of another structure, with the same addresses.
+    """
     page, limit = 1024, 1 << 20
     for length in range(page, limit, page):
         words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
-        if np.any(words[-page // 8 :] == target):
-            return words
+        if target in words:
+            return words[: int(np.argmax(words == target)) + 1]
     raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
 
 
