@@ -110,7 +110,7 @@ class Lab:
             self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
             wires.callback(self.server.stop)
             self.server.start()
-            line = wires.enter_context(SerialLine(lambda line: self.call(lambda tank: tank.answer(line))))
+            line = wires.enter_context(SerialLine(lambda asked: self.call(lambda tank: tank.answer(asked))))
             self._wires = wires.pop_all()
         host, port = self.server.host, self.server.port
         return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)

@@ -118,7 +118,7 @@ def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
     page, limit = 1024, 1 << 20
     for length in range(page, limit, page):
         words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
-        if target in words:
+        if target in words[-page // 8 :]:
             return words[: int(np.argmax(words == target)) + 1]
     raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
 

@@ -17,13 +17,13 @@ import numpy as np
 from laticauda.operate.drivers.base import Clock, DeviceFailed, Frame
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.operate.settings import Connection
-from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, NodeState, Order, Sync, references
+from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, Order, Sync, references
 
 TICK = 0.01  # [s]
 LONGEST = 0.05  # time that a call of the loop may take [s]
 LEAST_BEATS, LEAST_ANSWERS = 5.0, 20.0  # per second and node
-OBEYS_WITHIN = 1.5  # enabled, without references, or after an emergency stop [s]
-END_WITHIN = 3.0  # time in which each of a driver's threads must end after `close` [s]
+LIMP_WITHIN = 1.5  # without references, or after an emergency stop [s]
+END_WITHIN = 3.0  # time in which a driver's threads must end after `close` [s]
 
 
 class Heard(NamedTuple):
@@ -103,10 +103,10 @@ def broken(
             driver.restart()
     driver.close()  # closing twice does no harm
     there.opened(kind, clock).close()  # a closed driver can be opened again
-    for thread in set(threading.enumerate()) - threads:
-        thread.join(END_WITHIN)
-    left = ", ".join(thread.name for thread in set(threading.enumerate()) - threads)
-    found += [f"threads are left after `close`: {left}"] if left else []
+    end = time.monotonic() + END_WITHIN
+    while (left := set(threading.enumerate()) - threads) and time.monotonic() < end:
+        time.sleep(TICK)
+    found += [f"threads are left after `close`: {', '.join(thread.name for thread in left)}"] if left else []
     try:
         if absent:
             there.at(**{kind: absent}).opened(kind, clock).close()
@@ -132,18 +132,14 @@ def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[
     angles = {one.node: one.angle for one in found if isinstance(one, JointState)}
     held = references([angles[node] for node in sorted(angles)]) if angles else ()
     steps = [
-        ("active with references", (NodeCommand(order=Order.ENABLE), *held), True),
-        ("limp without references", (), False),
-        ("limp after an emergency stop", (EmergencyStop(reason=2),), False),
+        ("active with references", (NodeCommand(order=Order.ENABLE), *held), 0.5, True),
+        ("limp without references", (), LIMP_WITHIN, False),
+        ("limp after an emergency stop", (EmergencyStop(reason=2),), LIMP_WITHIN, False),
     ]
-    for what, messages, is_on in steps if moves else steps[-1:]:
-        states: dict[int, NodeState] = {}
-        for _ in range(10):
-            heard, _ = listen(driver, clock, OBEYS_WITHIN / 10, messages=messages)
-            states |= {one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)}
-            if states.keys() >= angles.keys() and all(state.is_on == is_on for state in states.values()):
-                break
-        else:
+    for what, messages, duration, is_on in steps if moves else steps[-1:]:
+        heard, _ = listen(driver, clock, duration, messages=messages)
+        states = {one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)}
+        if not states or any(state.is_on != is_on for state in states.values()):
             yield f"modules must be {what}, got {states}"
     sent = driver.send((NodeCommand(order=Order.CLEAR),))
     if [(type(one.message), one.is_ours) for one in sent] != [(NodeCommand, True)] or driver.bus_off:
