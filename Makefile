@@ -1,6 +1,9 @@
 # Every target does its own set-up: only Python 3.11 or newer, make and a network to the package index are needed.
 # `make PYTHON=python3.12 test` takes another interpreter for the set-up.
 
+# Python keeps what it compiles: containers that forbid it make every program start twice as slowly.
+export PYTHONDONTWRITEBYTECODE :=
+
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin

@@ -5,13 +5,18 @@ Every module whose functions state array shapes is loaded through jaxtyping's ho
 
 import os
 import signal
+import sys
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
-from typechecker import check_shapes
+from typechecker import check_shapes, next_test
 
 SOURCES = Path(__file__).parent.parent / "src"
 
+# Python keeps what it compiles, also of the programs that tests start, whatever the shell says: it is half their time.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["NUMBA_NRT_STATS"] = "1"  # lets a test count the allocations of compiled code
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts its background jobs, and theirs, deaf to Ctrl-C
@@ -19,3 +24,25 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts its back
 settings.register_profile("laticauda", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("laticauda")
 check_shapes(SOURCES, "printed_equations")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """Begin to count calls, see `typechecker`."""
+    next_test()
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Take over what other clones have compiled; the workers begin after this."""
+    if not hasattr(session.config, "workerinput"):
+        import kernels
+
+        kernels.fetch()
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Keep what was compiled for other clones."""
+    if not hasattr(session.config, "workerinput"):
+        import kernels
+
+        kernels.keep()

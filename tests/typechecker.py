@@ -4,11 +4,15 @@ jaxtyping's import hook puts its decorator `jaxtyped` on all functions of a modu
 `inspect` at every call, and checks them twice, 40 microseconds in all, half of the time of tests that step a
 controller.
 `shaped` stands in its place: the same checks, once, and a scope for the names of axes only where there are any.
+
+Of what one test calls over and over, the first `FIRST` calls of each function are checked, and then those whose number
+is a power of two: a wrong shape is seldom right for long. LATICAUDA_CHECKS=all checks every call.
 """
 
 import dataclasses
 import functools
 import inspect
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_args
@@ -19,6 +23,20 @@ from beartype.roar import BeartypeCallHintViolation
 
 check = beartype(conf=BeartypeConf(is_pep484_tower=True))
 _scope = jaxtyping.jaxtyped
+FIRST = 8
+"""Calls of a function that are all checked in each test."""
+_all = os.environ.get("LATICAUDA_CHECKS") == "all"
+_calls: dict[int, int] = {}
+
+
+def next_test() -> None:
+    """Count the calls anew."""
+    _calls.clear()
+
+
+def _is_checked(key: int) -> bool:
+    number = _calls[key] = _calls.get(key, 0) + 1
+    return number <= FIRST or not number & (number - 1) or _all
 
 
 def check_shapes(sources: Path, *others: str) -> None:
@@ -62,14 +80,20 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
 
 
 def _checked(function: Callable[..., Any], typechecker: Callable[..., Any]) -> Callable[..., Any]:
-    checked = typechecker(function)
+    checked, key = typechecker(function), id(function)
     if not _has_shapes(tuple(function.__annotations__.values())):
-        return checked
+
+        @functools.wraps(function)
+        def sometimes(*args: Any, **kwargs: Any) -> Any:
+            __tracebackhide__ = True
+            return (checked if _is_checked(key) else function)(*args, **kwargs)
+
+        return sometimes
 
     @functools.wraps(function)
     def scoped(*args: Any, **kwargs: Any) -> Any:
         __tracebackhide__ = True
-        if jaxtyping.config.jaxtyping_disable:
+        if not _is_checked(key) or jaxtyping.config.jaxtyping_disable:
             return function(*args, **kwargs)
         try:
             with _scope("context"):
